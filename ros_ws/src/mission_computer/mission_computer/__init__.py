@@ -1,0 +1,1 @@
+"""The mission computer: shape in, goals out."""

@@ -1,0 +1,1 @@
+"""One robot of the swarm: localise, route, decide, control."""

@@ -1,0 +1,1 @@
+"""Shared vocabulary of the swarm: all that two packages must agree on."""

@@ -1,0 +1,23 @@
+"""Everything that this project raises on purpose."""
+
+from __future__ import annotations
+
+
+class SwarmError(Exception):
+    """Base of all errors of this project; its text is one line that a person can act on."""
+
+
+class ConfigError(SwarmError):
+    """A setting is unknown, of the wrong type or outside its range."""
+
+
+class ShapeError(SwarmError):
+    """A shape cannot be used: self-crossing, empty, or too small for the robots."""
+
+
+class FrameError(SwarmError):
+    """Bytes from the radio are not a frame of this version."""
+
+
+class PhysicsError(SwarmError):
+    """The physics back end is missing or refused a scene."""

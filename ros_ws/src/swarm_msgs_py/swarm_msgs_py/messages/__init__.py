@@ -1,0 +1,1 @@
+"""Frozen records that travel between actors, one file per topic of conversation."""

@@ -1,0 +1,113 @@
+"""Application records that travel in packets: the plan, cost rows, reports, repair requests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What the swarm is to do: the mission computer's numbered broadcast.
+
+    Attributes
+    ----------
+    epoch : int
+        Number of the plan, 1, 2, ...; a higher epoch replaces a lower one.
+    contour : (k, 2) array
+        Desired shape, counter-clockwise [m].
+    obstacles : tuple of (m, 2) array
+        Polygons that robots and radio links cannot cross [m].
+    goals : (n, 2) array
+        Goal positions [m]; the row number is the goal's id.
+    goal_types : (n,) int array
+        Type of robot that each goal is made for.
+    """
+
+    epoch: int
+    contour: FloatArray
+    obstacles: tuple[FloatArray, ...]
+    goals: FloatArray
+    goal_types: IntArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostRow:
+    """What each goal of its type would cost one robot.
+
+    Attributes
+    ----------
+    epoch : int
+        Plan that the costs refer to.
+    robot : NodeId
+        Whose row it is.
+    robot_type : int
+        Type of the robot; the row covers the plan's goals of this type in ascending goal id.
+    version : int
+        Rows of one robot and epoch are numbered 1, 2, ...; the highest counts. A withdrawn robot's row is empty.
+    costs : (m,) int array
+        Length of the shortest free path to each goal [cm]; `UNREACHABLE` where there is none.
+    """
+
+    epoch: int
+    robot: NodeId
+    robot_type: int
+    version: int
+    costs: IntArray
+
+
+UNREACHABLE = 0xFFFF
+"""Cost [cm] that stands for: there is no path."""
+
+
+@dataclass(frozen=True, slots=True)
+class RowRequest:
+    """Asks one neighbour for the plan and for rows that it holds and the sender lacks.
+
+    Attributes
+    ----------
+    epoch : int
+        Epoch that the sender holds (0: none; then only the plan is asked for).
+    held : tuple of (NodeId, int)
+        Robot and version of every row that the sender holds.
+    """
+
+    epoch: int
+    held: tuple[tuple[NodeId, int], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RowBundle:
+    """Answer to a `RowRequest`: the rows that the asker lacked."""
+
+    rows: tuple[CostRow, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A robot's report to the mission computer, sent as a routed packet.
+
+    Attributes
+    ----------
+    robot : NodeId
+    robot_type : int
+    epoch : int
+        Newest plan held; this is the acknowledgement that ends the repetition of a plan.
+    goal : int
+        Goal id taken, -1 for none.
+    position : (x, y)
+        Own estimate [m].
+    mode : int
+        Value of the robot's mode.
+    """
+
+    robot: NodeId
+    robot_type: int
+    epoch: int
+    goal: int
+    position: tuple[float, float]
+    mode: int
+
+
+Body = Plan | CostRow | RowRequest | RowBundle | Report

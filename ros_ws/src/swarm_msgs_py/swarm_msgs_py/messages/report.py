@@ -1,0 +1,91 @@
+"""What actors say of themselves to viewers; nothing in the swarm depends on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+from swarm_msgs_py.messages.radio import RadioCounters
+from swarm_msgs_py.types import FloatArray, NodeId
+
+
+class Mode(IntEnum):
+    """What a robot is doing."""
+
+    WAITING = 0  # no position yet
+    SEARCHING = 1  # no plan heard: drives to the rally point, where the mission computer's radio is
+    UNASSIGNED = 2  # holds a plan, but every goal of its type is better taken by another
+    TRAVELING = 3  # on its way to its goal
+    PARKED = 4  # at its goal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentReport:
+    """State of one robot after a tick, for viewers, recorders and metrics.
+
+    Attributes
+    ----------
+    position, velocity : (2,) array
+        Own estimate, world frame [m], [m/s].
+    covariance : (2, 2) array
+        Of the position estimate [m^2].
+    yaw : float
+        Heading [rad].
+    mode : Mode
+    epoch : int
+        Plan held, 0 for none.
+    goal : int
+        Goal id, -1 for none.
+    path : (k, 2) array
+        Way-points still to come, the goal last [m]; k may be 0.
+    neighbors : tuple of NodeId
+        Radios heard directly.
+    beacons : int
+        How many of them carry a position sensor.
+    routes : int
+        Destinations that can be reached over the mesh.
+    rows : int
+        Cost rows held for the plan.
+    counters : RadioCounters
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    covariance: FloatArray
+    yaw: float
+    mode: Mode
+    epoch: int
+    goal: int
+    path: FloatArray
+    neighbors: tuple[NodeId, ...]
+    beacons: int
+    routes: int
+    rows: int
+    counters: RadioCounters
+
+
+@dataclass(frozen=True, slots=True)
+class MissionReport:
+    """State of the mission computer after a tick.
+
+    Attributes
+    ----------
+    epoch : int
+        Plan that is in force, 0 for none.
+    informed : tuple of NodeId
+        Robots that have acknowledged it.
+    reachable : tuple of NodeId
+        Robots to which the mesh has a route.
+    parked : tuple of NodeId
+        Robots that report to be at their goal.
+    notice : str
+        One line for the operator, empty when there is nothing to say (e.g. why a shape was refused).
+    counters : RadioCounters
+    """
+
+    epoch: int
+    informed: tuple[NodeId, ...]
+    reachable: tuple[NodeId, ...]
+    parked: tuple[NodeId, ...]
+    notice: str
+    counters: RadioCounters

@@ -1,0 +1,1 @@
+"""The swarm's simulated world: bodies, sensors, radio medium, firmware and metrics."""

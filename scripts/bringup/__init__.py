@@ -1,0 +1,1 @@
+"""Composition root: turns a scenario into running actors, and a run into a folder of results."""
