@@ -10,10 +10,69 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport, MissionReport
+from swarm_msgs_py.step_io import AgentInputs, AgentOutputs, MissionInputs, MissionOutputs
 from swarm_msgs_py.types import NodeId
-from swarm_sim.simulation import TickTruth
+from swarm_sim.simulation import Simulation, TickTruth
+
+
+class AgentActor(Protocol):
+    """One robot of the swarm."""
+
+    def step(self, inputs: AgentInputs) -> AgentOutputs:
+        """Advance by one tick."""
+        ...
+
+
+class MissionActor(Protocol):
+    """The mission computer."""
+
+    def step(self, inputs: MissionInputs) -> MissionOutputs:
+        """Advance by one tick."""
+        ...
+
+
+class Actors(Protocol):
+    """Makes the actors of one scenario. Picklable; equal scenarios make equal actors, in whatever process."""
+
+    @property
+    def robots(self) -> tuple[NodeId, ...]:
+        """All robots, ascending."""
+        ...
+
+    @property
+    def period_s(self) -> float:
+        """Control period [s]."""
+        ...
+
+    @property
+    def world_config(self) -> Config:
+        """Settings of the world, as its node declares them."""
+        ...
+
+    @property
+    def mission_config(self) -> Config:
+        """Settings of the mission computer, as its node declares them."""
+        ...
+
+    @property
+    def agent_config(self) -> Config:
+        """Settings of every robot, as its node declares them."""
+        ...
+
+    def simulation(self) -> Simulation:
+        """Make the world at tick 0."""
+        ...
+
+    def mission(self) -> MissionActor:
+        """Make the mission computer."""
+        ...
+
+    def agent(self, robot: NodeId) -> AgentActor:
+        """Make one robot's agent."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,7 +14,6 @@ import typing
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
 from typing import Any, TypeVar
 
 from swarm_msgs_py.errors import ConfigError
@@ -111,14 +110,13 @@ class Config:
                     raise ConfigError(f"{name} must be {wanted}, got {number:g}")
 
 
-@cache
 def settings_of(cls: type[Config]) -> dict[str, Setting]:
     """Return the declared settings of a configuration class, by field name."""
     return {f.name: f.metadata[_META] for f in dataclasses.fields(cls) if _META in f.metadata}
 
 
 def _numbers(value: object) -> list[float]:
-    if isinstance(value, bool) or isinstance(value, Enum):
+    if isinstance(value, bool | Enum):
         return []
     if isinstance(value, int | float):
         return [float(value)]

@@ -114,7 +114,24 @@ class Packet:
     body: bytes
 
 
-Frame = Hello | Packet
+@dataclass(frozen=True, slots=True)
+class Acknowledgement:
+    """One-hop frame: "these routed packets arrived here", the end of their retransmission.
+
+    Attributes
+    ----------
+    source, sequence
+        Radio that transmits, and its frame counter.
+    packets : tuple of (NodeId, NodeId, int)
+        Radio that transmitted the packet, the packet's origin and its number.
+    """
+
+    source: NodeId
+    sequence: int
+    packets: tuple[tuple[NodeId, NodeId, int], ...]
+
+
+Frame = Hello | Packet | Acknowledgement
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,10 @@ class Mode(IntEnum):
 
     WAITING = 0  # no position yet
     SEARCHING = 1  # no plan heard: drives to the rally point, where the mission computer's radio is
-    UNASSIGNED = 2  # holds a plan, but every goal of its type is better taken by another
+    UNASSIGNED = 2  # holds a plan, but no goal: the rows are not complete, or every goal is better taken by another
     TRAVELING = 3  # on its way to its goal
     PARKED = 4  # at its goal
+    BLOCKED = 5  # on its way, but hardly getting on: asks its neighbors to make way
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,34 @@
+"""Settings of the mission computer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mission_computer.partition.config import PartitionConfig
+from swarm_msgs_py.config import Config, section, setting
+from swarm_msgs_py.errors import ConfigError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionConfig(Config):
+    """Everything that can be set about the mission computer."""
+
+    position_m: tuple[float, float] = setting((0.0, 0.0), "where its antenna stands, world frame", unit="m")
+    repeat_first_s: float = setting(2.0, "first pause before a plan is flooded again", unit="s", above=0.0)
+    repeat_growth: float = setting(1.5, "factor from one pause to the next", minimum=1.0, maximum=10.0)
+    repeat_longest_s: float = setting(10.0, "longest pause between two floods", unit="s", above=0.0)
+    partition: PartitionConfig = section(PartitionConfig, "how a shape becomes goals")
+
+    def __post_init__(self) -> None:
+        """Check that the pauses are in order.
+
+        Raises
+        ------
+        ConfigError
+            If the longest pause is shorter than the first.
+        """
+        Config.__post_init__(self)
+        if self.repeat_longest_s < self.repeat_first_s:
+            raise ConfigError(
+                f"repeat_longest_s must be >= repeat_first_s ({self.repeat_first_s:g} s), got {self.repeat_longest_s:g}"
+            )

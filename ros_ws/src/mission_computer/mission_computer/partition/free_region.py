@@ -1,0 +1,96 @@
+"""Where the center of a circle may be, and the nearest such point."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from shapely import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from swarm_msgs_py.types import FloatArray
+
+ARC_SEGMENTS = 16  # chords per quarter circle; they cut at most 0.12 % of the radius off a rounded corner
+
+
+class FreeRegion:
+    """A set of points bounded by straight segments: one or more pieces, with holes or none.
+
+    Parameters
+    ----------
+    geometry : shapely polygon or multi-polygon
+        The region.
+    """
+
+    def __init__(self, geometry: BaseGeometry) -> None:
+        rings = [
+            np.asarray(ring.coords, dtype=np.float64)
+            for part in shapely.get_parts(geometry)
+            if isinstance(part, Polygon) and part.area > 0.0
+            for ring in (part.exterior, *part.interiors)
+        ]
+        self.starts: FloatArray = np.concatenate([ring[:-1] for ring in rings]) if rings else np.empty((0, 2))
+        self.ends: FloatArray = np.concatenate([ring[1:] for ring in rings]) if rings else np.empty((0, 2))
+        self._edges = self.ends - self.starts
+        self._squares = np.einsum("md,md->m", self._edges, self._edges)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether the region has no point."""
+        return not len(self.starts)
+
+    def contains(self, points: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return whether each of (n, 2) points is inside, by counting crossings of a ray along +x.
+
+        Points on the boundary may fall either way.
+        """
+        x, y = points[:, :1], points[:, 1:]
+        low, high = self.starts[:, 1], self.ends[:, 1]
+        straddles = (low > y) != (high > y)
+        # Horizontal edges never straddle, so what is divided by here does not count.
+        rise = np.where(high == low, 1.0, high - low)
+        crossing = self.starts[:, 0] + (y - low) * (self._edges[:, 0] / rise)
+        inside: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
+            np.count_nonzero(straddles & (x < crossing), axis=1) % 2 == 1
+        )
+        return inside
+
+    def feet(self, point: FloatArray) -> FloatArray:
+        """Return the point of each boundary segment that is nearest to `point`, (m, 2)."""
+        along = np.clip(((point - self.starts) * self._edges).sum(axis=1) / self._squares, 0.0, 1.0)
+        feet: FloatArray = self.starts + along[:, None] * self._edges
+        return feet
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Return (n, 2) points, those outside moved to the nearest boundary point."""
+        moved = points.copy()
+        for index in np.flatnonzero(~self.contains(points)):
+            feet = self.feet(points[index])
+            moved[index] = feet[np.argmin(((feet - points[index]) ** 2).sum(axis=1))]
+        return moved
+
+
+def free_region(
+    contour: FloatArray, obstacles: tuple[FloatArray, ...], radius: float, contour_gap: float, obstacle_gap: float
+) -> FreeRegion:
+    """Return where the center of a circle may be (first half of Algorithm 1 of the thesis).
+
+    Parameters
+    ----------
+    contour : (k, 2) array
+        Shape [m].
+    obstacles : tuple of (m, 2) array
+        Polygons [m].
+    radius : float
+        Of the circle [m].
+    contour_gap, obstacle_gap : float
+        Free gap to keep to the contour and to obstacles [m].
+    """
+    # Chords of a rounded corner pass nearer to the corner than the arc; a slightly larger radius makes up for it.
+    margin = 1.0 / np.cos(np.pi / (4.0 * ARC_SEGMENTS))
+    region = Polygon(contour).buffer(-(radius + contour_gap) * margin, quad_segs=ARC_SEGMENTS)
+    reach = (radius + obstacle_gap) * margin
+    for outline in obstacles:
+        obstacle = Polygon(outline)
+        if obstacle.distance(region) < reach:
+            region = region.difference(obstacle.buffer(reach, quad_segs=ARC_SEGMENTS))
+    return FreeRegion(region)

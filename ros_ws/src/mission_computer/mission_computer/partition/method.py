@@ -1,0 +1,33 @@
+"""What a partition method is, and the one registry of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from mission_computer.partition.bubble_packing import BubblePacking
+from mission_computer.partition.config import Method, PartitionConfig
+from mission_computer.partition.domain import Domain
+from swarm_msgs_py.types import FloatArray
+
+
+class PartitionMethod(Protocol):
+    """Finds room for circles inside a contour; equal inputs give equal results."""
+
+    def fits(self, domain: Domain) -> bool:
+        """Return whether `place` would find room for every circle."""
+        ...
+
+    def place(self, domain: Domain, start: FloatArray | None = None) -> FloatArray | None:
+        """Return the (n, 2) centers, or None if there is no room.
+
+        Centers keep all gaps of the domain. `start` holds earlier centers to begin from, for a shape that has changed
+        a little.
+        """
+        ...
+
+
+METHODS: Mapping[Method, Callable[[PartitionConfig, int], PartitionMethod]] = {
+    Method.BUBBLE_PACKING: lambda config, _seed: BubblePacking(config.bubbles),
+}
+"""How to make each method from its settings and the seed of the run."""

@@ -1,0 +1,155 @@
+"""From a shape to goals: one circle per robot, or an error that says how large the shape would have to be."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from mission_computer.partition.config import PartitionConfig
+from mission_computer.partition.domain import Domain, check_obstacles
+from mission_computer.partition.method import METHODS, PartitionMethod
+from mission_computer.roster import Roster
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.types import FloatArray, IntArray
+
+SCALE_STEP = 1.02  # how finely the remedy of a too small shape is searched
+SCALE_MAX = 1e6  # a shape that is too small even at this scale has no remedy by scaling
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GoalSet:
+    """Where robots are to be.
+
+    Attributes
+    ----------
+    positions : (n, 2) array
+        Centers [m]; the row number is the goal's id.
+    types : (n,) int array
+        Type of robot that each goal has room for.
+    """
+
+    positions: FloatArray
+    types: IntArray
+
+
+def partition(
+    shape: FloatArray,
+    roster: Roster,
+    obstacles: tuple[FloatArray, ...] = (),
+    config: PartitionConfig | None = None,
+    *,
+    seed: int = 0,
+) -> GoalSet:
+    """Fill a shape with one goal per robot.
+
+    Parameters
+    ----------
+    shape : (k, 2) array
+        Simple counter-clockwise contour, as `load_shape` returns it [m].
+    roster : Roster
+        Whom to place.
+    obstacles : tuple of (m, 2) array
+        Polygons that goals must stay clear of [m].
+    config : PartitionConfig or None
+        Method and tuning; None for the defaults.
+    seed : int
+        For methods that draw.
+
+    Returns
+    -------
+    GoalSet
+        As many goals of each type as the roster has robots. Every robot's circle is inside the contour, and keeps the
+        gaps of the configuration. Equal inputs give equal goals in equal order.
+
+    Raises
+    ------
+    ShapeError
+        If the shape lies over an obstacle (which, where), or is too small for the robots (with the scale it needs).
+    """
+    config = config or PartitionConfig()
+    method = METHODS[config.method](config, seed)
+    domain, types = _posed(shape, roster, obstacles, config, method)
+    centers = method.place(domain)
+    if centers is None:
+        raise ShapeError(_remedy(domain, roster, method))
+    return GoalSet(centers, types)
+
+
+def check_fits(
+    shape: FloatArray,
+    roster: Roster,
+    obstacles: tuple[FloatArray, ...] = (),
+    config: PartitionConfig | None = None,
+    *,
+    seed: int = 0,
+) -> None:
+    """Refuse what `partition` would refuse, in a fraction of its time.
+
+    Raises
+    ------
+    ShapeError
+        As `partition`.
+    """
+    config = config or PartitionConfig()
+    method = METHODS[config.method](config, seed)
+    domain, _ = _posed(shape, roster, obstacles, config, method)
+    if not method.fits(domain):
+        raise ShapeError(_remedy(domain, roster, method))
+
+
+def _posed(
+    shape: FloatArray,
+    roster: Roster,
+    obstacles: tuple[FloatArray, ...],
+    config: PartitionConfig,
+    method: PartitionMethod,
+) -> tuple[Domain, IntArray]:
+    """Return the problem with its circles in the better order, and the type of each circle.
+
+    Types take turns, so that each type is spread over the whole shape; where that leaves no room, large ones go first.
+    """
+    types = roster.interleaved_types()
+    domain = Domain(shape, obstacles, roster.radii_of(types), config.gaps)
+    check_obstacles(domain)
+    if method.fits(domain):
+        return domain, types
+    order = np.argsort(-domain.radii, kind="stable")
+    return domain.reordered(order), types[order]
+
+
+def _remedy(domain: Domain, roster: Roster, method: PartitionMethod) -> str:
+    """Return the line for the operator when circles, largest first, do not fit."""
+    bare = Domain(domain.contour, (), domain.radii, domain.gaps)
+    if domain.obstacles and method.fits(bare):
+        return "obstacles beside the shape leave too little room for the robots; move the shape away or scale it up"
+    tight = [
+        f"type {group.type} (radius {group.coverage_radius_m:g} m)"
+        for group in roster.groups
+        if bare.regions[bare.classes.index(group.coverage_radius_m)].is_empty
+    ]
+    problem = f"too narrow for robots of {' and '.join(tight)}" if tight else f"too small for {roster.size} robots"
+    scale = _needed_scale(bare, method)
+    if scale is None:
+        return f"a shape of {domain.area:.3g} m2 is {problem}, at any scale; choose a less jagged one"
+    needed = domain.area * scale**2
+    return f"a shape of {domain.area:.3g} m2 is {problem}: needs {needed:.3g} m2; scale it by at least {scale:g}"
+
+
+def _needed_scale(domain: Domain, method: PartitionMethod) -> float | None:
+    """Return a factor, rounded up to two decimals, by which the contour is just large enough; None if there is none."""
+    circles = float(np.pi * (domain.radii**2).sum())
+    low, high = 1.0, max(1.0, math.sqrt(circles / domain.area))
+    while not method.fits(domain.scaled(high)):
+        low, high = high, 1.3 * high
+        if high > SCALE_MAX:
+            return None
+    while high > SCALE_STEP * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if method.fits(domain.scaled(middle)) else (middle, high)
+    # The first placement is greedy, so more room is not always better: what is promised has been tried.
+    scale = math.ceil(100.0 * high) / 100.0
+    while not method.fits(domain.scaled(scale)):
+        scale = math.ceil(100.0 * SCALE_STEP * scale) / 100.0
+    return scale

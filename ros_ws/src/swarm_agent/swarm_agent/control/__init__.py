@@ -1,0 +1,1 @@
+"""How do I get there? Path following and collision avoidance: a velocity for the firmware."""

@@ -1,0 +1,197 @@
+"""Collision avoidance from short-range proximity: safe by construction, live by choice of side.
+
+*Safety.* Between two robots lies a free gap. Each may use up half of it within one tick, less a margin, whatever the
+other does; so no two coverage circles can meet, with no communication and no knowledge of the other's size or velocity.
+This is the buffered Voronoi cell of Zhou et al. (2017), widened to the servo's coasting: the displacement of a tick is
+``v period + v_now delay`` where `delay` is the time that the velocity loop still runs on the old setpoint.
+
+*Liveness.* Inside those half-planes the robot takes the direction that makes the most progress without heading for what
+it would drive into within a few seconds, given how that has moved of late; ties go to the right-hand side, so that two
+robots that meet head-on pass each other. The longer a robot makes no progress, the more it leans to that side, which
+turns a jam into a roundabout; one that cannot move at all tries the other side.
+
+References
+----------
+D. Zhou, Z. Wang, S. Bandyopadhyay, M. Schwager, "Fast, on-line collision avoidance for dynamic vehicles using buffered
+Voronoi cells", IEEE Robotics and Automation Letters 2(2), 2017.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarm_agent.control.config import AvoidanceConfig
+from swarm_msgs_py.types import FloatArray
+
+_SHARE = 0.5  # of the free gap that one of two robots may use up
+_HEADINGS = np.linspace(-np.pi, np.pi, 48, endpoint=False)
+_COS, _SIN = np.cos(_HEADINGS), np.sin(_HEADINGS)
+_HIT_WEIGHT = 0.9  # of driving towards something, against progress 1.0
+_SIDE_WEIGHT = 0.1  # of the preferred side: only decides between nearly equal ways
+_IMPATIENCE = 0.2  # by which that weight grows per second without progress
+_VIOLATION_WEIGHT = 100.0  # of each m/s beyond a safety limit: nothing outweighs safety
+_ESCAPE_SPEED = 0.2  # m/s at which a robot without a wish of its own backs out of a margin
+_STANDSTILL = 1e-9
+_SLOW_SHARE = 0.2  # of the wanted speed: progress below it counts as none
+_TRACK_DISTANCE = 0.7  # m that what is seen may have moved in one tick and still be the same thing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Surroundings:
+    """What is near, one row per contact."""
+
+    contacts: FloatArray  # (n, 2) surface points relative to the robot [m]
+    normals: FloatArray  # (n, 2) unit vectors towards them
+    limits: FloatArray  # (n,) largest safe velocity along each normal [m/s]
+    velocities: FloatArray  # (n, 2) how they moved in the last tick [m/s]
+
+
+class Avoidance:
+    """Turns the velocity that a robot wants into one that is safe.
+
+    Parameters
+    ----------
+    config : AvoidanceConfig
+    radius : float
+        The robot's own coverage radius [m].
+    period_s : float
+        Control period [s].
+    """
+
+    def __init__(self, config: AvoidanceConfig, radius: float, period_s: float) -> None:
+        self._config = config
+        self._radius = radius
+        self._period = period_s
+        self._side = 1.0  # +1: pass on the right
+        self._patience_lost = 0.0  # seconds without progress, forgotten as progress comes back
+        self._halted = 0.0  # seconds without motion
+        self._seen = np.empty((0, 2))  # contacts of the last tick
+        self._moved = np.zeros(2)  # own displacement expected since then
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether the robot has lost its patience: it has hardly got on for `stuck_after_s`."""
+        return self._patience_lost >= self._config.stuck_after_s
+
+    def step(self, wanted: FloatArray, velocity: FloatArray, contacts: FloatArray, reach: float) -> FloatArray:
+        """Return a safe velocity close to the wanted one.
+
+        Parameters
+        ----------
+        wanted : (2,) array
+            Preferred velocity [m/s].
+        velocity : (2,) array
+            Present velocity [m/s].
+        contacts : (n, 2) array
+            Nearest surface points of what is around, relative to the robot's center [m].
+        reach : float
+            Distance to where the robot wants to be next [m]; what lies beyond does not matter.
+
+        Returns
+        -------
+        (2,) array
+            Velocity setpoint [m/s]; all vectors are in one non-rotating frame.
+        """
+        chosen = wanted
+        if len(contacts):
+            around = self._look(contacts, velocity)
+            if float(np.hypot(*wanted)) < _STANDSTILL:
+                chosen = _back_out(around)
+            elif self._is_free(wanted, around, reach):
+                self._calm()
+            else:
+                chosen = self._choose(wanted, around, reach)
+                self._watch_progress(wanted, chosen)
+        else:
+            self._calm()
+        self._seen = contacts
+        self._moved = chosen * self._period + (velocity - chosen) * self._config.servo_delay_s
+        return chosen
+
+    def _look(self, contacts: FloatArray, velocity: FloatArray) -> _Surroundings:
+        """Return the safety limits and velocities of what is near."""
+        distances = np.hypot(contacts[:, 0], contacts[:, 1])
+        normals = contacts / np.maximum(distances, _STANDSTILL)[:, None]
+        coasting = np.maximum(normals @ velocity, 0.0) * self._config.servo_delay_s
+        limits = (_SHARE * (distances - self._radius) - self._config.margin_m - coasting) / self._period
+        return _Surroundings(contacts, normals, limits, self._track(contacts))
+
+    def _track(self, contacts: FloatArray) -> FloatArray:
+        """Return how each contact has moved over ground since the last tick, zero for a new one, shape (n, 2) [m/s]."""
+        if not len(self._seen):
+            return np.zeros_like(contacts)
+        steps = contacts[:, None] + self._moved - self._seen[None]
+        nearest = (steps**2).sum(axis=2).argmin(axis=1)
+        step = steps[np.arange(len(contacts)), nearest]
+        is_same = (step**2).sum(axis=1) < _TRACK_DISTANCE**2
+        velocities: FloatArray = np.where(is_same[:, None], step / self._period, 0.0)
+        return velocities
+
+    def _is_free(self, wanted: FloatArray, around: _Surroundings, reach: float) -> bool:
+        return (
+            bool((around.normals @ wanted <= around.limits).all()) and not self._hits(wanted[None], around, reach).any()
+        )
+
+    def _hits(self, velocities: FloatArray, around: _Surroundings, reach: float) -> FloatArray:
+        """Return how soon each velocity runs into something: 1 at once, 0 not within the horizon; shape (h,)."""
+        keep_out = self._radius + self._config.body_radius_m + self._config.passing_gap_m
+        centers = around.contacts + around.normals * self._config.body_radius_m
+        relative = velocities[:, None] - around.velocities[None]
+        along = (relative * centers).sum(axis=2)
+        square = np.maximum((relative**2).sum(axis=2), _STANDSTILL)
+        apart = (centers**2).sum(axis=1)
+        depth = along**2 - square * (apart - keep_out**2)
+        hit_time = (along - np.sqrt(np.maximum(depth, 0.0))) / square
+        speed = np.hypot(velocities[:, 0], velocities[:, 1])[:, None]
+        matters = hit_time * speed < reach
+        ahead = (along > 0.0) & (depth > 0.0) & (hit_time < self._config.horizon_s) & matters
+        urgency = 1.0 - hit_time / self._config.horizon_s
+        # Inside a keep-out disc only the part that leads deeper counts, so that sliding past stays possible.
+        deeper = along / np.sqrt(square * np.maximum(apart, _STANDSTILL))
+        urgency = np.where(apart < keep_out**2, deeper, urgency)
+        worst: FloatArray = np.where(ahead, np.clip(urgency, 0.0, 1.0), 0.0).max(axis=1)
+        return worst
+
+    def _choose(self, wanted: FloatArray, around: _Surroundings, reach: float) -> FloatArray:
+        """Return the best of a fan of headings, each as fast as is safe."""
+        speed = float(np.hypot(*wanted))
+        forward = wanted / speed
+        left = np.array([-forward[1], forward[0]])
+        headings = _COS[:, None] * forward + _SIN[:, None] * left
+        closing = headings @ around.normals.T * speed
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scale = np.where(closing > 0.0, np.maximum(around.limits, 0.0) / closing, 1.0)
+        paces = np.minimum(scale.min(axis=1), 1.0)
+        velocities = np.vstack([headings * (speed * paces)[:, None], np.zeros((1, 2))])
+        violation = np.maximum((velocities @ around.normals.T - around.limits).max(axis=1), 0.0)
+        cost = _VIOLATION_WEIGHT * np.where(violation > _STANDSTILL, violation, 0.0)
+        cost -= velocities @ forward / speed
+        cost[:-1] += _HIT_WEIGHT * self._hits(headings * speed, around, reach) * paces
+        lean = _SIDE_WEIGHT + _IMPATIENCE * self._patience_lost
+        cost[:-1] += lean * self._side * _SIN * paces
+        chosen: FloatArray = velocities[int(np.argmin(cost))]
+        return chosen
+
+    def _watch_progress(self, wanted: FloatArray, chosen: FloatArray) -> None:
+        """Lose patience without progress; change the preferred side after too long without motion."""
+        speed = float(np.hypot(*wanted))
+        slow = _SLOW_SHARE * speed
+        lost = self._period if float(wanted @ chosen) < slow * speed else -self._period
+        self._patience_lost = min(max(self._patience_lost + lost, 0.0), self._config.stuck_after_s)
+        self._halted = self._halted + self._period if float(np.hypot(*chosen)) < slow else 0.0
+        if self._halted >= self._config.stuck_after_s:
+            self._side = -self._side
+            self._halted = 0.0
+
+    def _calm(self) -> None:
+        self._patience_lost = 0.0
+        self._halted = 0.0
+
+
+def _back_out(around: _Surroundings) -> FloatArray:
+    """Return the velocity of a robot that wants to rest, out of the margins that it stands in."""
+    away = (around.normals * np.minimum(around.limits, 0.0)[:, None]).sum(axis=0)
+    velocity: FloatArray = away * min(1.0, _ESCAPE_SPEED / max(float(np.hypot(*away)), _STANDSTILL))
+    return velocity

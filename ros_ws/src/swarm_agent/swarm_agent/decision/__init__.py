@@ -1,0 +1,1 @@
+"""Where should I be? Plan, cost rows, assignment: the goal that this robot takes."""

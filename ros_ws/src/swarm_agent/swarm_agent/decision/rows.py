@@ -1,0 +1,77 @@
+"""The cost rows that a robot holds for the plan in force, and their fingerprint."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable
+
+from swarm_msgs_py.messages.bodies import CostRow, Plan
+from swarm_msgs_py.types import NodeId
+
+
+class RowBook:
+    """Newest cost row of every robot, for one epoch.
+
+    A replicated set that only grows: rows merge by highest version, so robots that have exchanged everything hold the
+    same book whatever the order of arrival.
+    """
+
+    def __init__(self) -> None:
+        self.plan: Plan | None = None
+        self.digest = 0
+        self._rows: dict[NodeId, CostRow] = {}
+
+    @property
+    def epoch(self) -> int:
+        """Epoch of the plan held, 0 for none."""
+        return self.plan.epoch if self.plan is not None else 0
+
+    def adopt(self, plan: Plan) -> bool:
+        """Take a newer plan, forget the rows of the old one; return whether it was newer."""
+        if plan.epoch <= self.epoch:
+            return False
+        self.plan = plan
+        self._rows = {}
+        self.digest = 0
+        return True
+
+    def put(self, row: CostRow) -> bool:
+        """Take a row of this epoch if it is newer than the one held; return whether it was."""
+        held = self._rows.get(row.robot)
+        if row.epoch != self.epoch or (held is not None and held.version >= row.version) or not self._fits(row):
+            return False
+        self._rows[row.robot] = row
+        # Order-free sum of one checksum per row: merging in any order ends at the same digest.
+        self.digest = (self.digest + _fingerprint(row) - (_fingerprint(held) if held else 0)) % 2**32
+        return True
+
+    def versions(self) -> tuple[tuple[NodeId, int], ...]:
+        """Return robot and version of every row held, ascending."""
+        return tuple((robot, self._rows[robot].version) for robot in sorted(self._rows))
+
+    def missing_in(self, held: Iterable[tuple[NodeId, int]]) -> tuple[CostRow, ...]:
+        """Return the rows that somebody who holds `held` lacks, ascending by robot."""
+        theirs = dict(held)
+        return tuple(self._rows[r] for r in sorted(self._rows) if self._rows[r].version > theirs.get(r, 0))
+
+    def of_type(self, robot_type: int) -> tuple[CostRow, ...]:
+        """Return the rows of one type of robot, ascending by robot; withdrawn (empty) rows are left out."""
+        rows = (self._rows[robot] for robot in sorted(self._rows))
+        return tuple(row for row in rows if row.robot_type == robot_type and len(row.costs))
+
+    def version_of(self, robot: NodeId) -> int:
+        """Return the version of a robot's row, 0 for none."""
+        row = self._rows.get(robot)
+        return row.version if row else 0
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def _fits(self, row: CostRow) -> bool:
+        """Return whether the row is as long as its type has goals: anything else would break the assignment."""
+        assert self.plan is not None  # the epochs agree, and epoch 0 is never sent
+        return len(row.costs) in (0, int((self.plan.goal_types == row.robot_type).sum()))
+
+
+def _fingerprint(row: CostRow) -> int:
+    return zlib.crc32(f"{row.robot}:{row.version}".encode())

@@ -1,0 +1,39 @@
+"""What varies between formation methods on the robot: where it should be, given what it knows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """Outcome of one decision tick.
+
+    Attributes
+    ----------
+    goal : int
+        Goal id in the plan, -1 for none.
+    destination : (2,) array or None
+        Where to drive [m]; None to stand still.
+    mode : Mode
+        What the robot is doing, as far as the decision knows (it may turn out to be parked or blocked).
+    obstacles : tuple of (m, 2) array
+        Map to plan the path on [m].
+    """
+
+    goal: int
+    destination: FloatArray | None
+    mode: Mode
+    obstacles: tuple[FloatArray, ...]
+
+
+class Strategy(Protocol):
+    """Decides where the robot should be, once per tick."""
+
+    def step(self, tick: int, position: FloatArray) -> Decision:
+        """Return the decision for this tick, given the robot's own position estimate, shape (2,) [m]."""
+        ...

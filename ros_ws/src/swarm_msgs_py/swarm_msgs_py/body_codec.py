@@ -1,0 +1,127 @@
+"""Application records of `messages.bodies` as the bytes that a packet carries.
+
+A body is one kind byte and the record's fields, little-endian and without padding: positions, goals and contours as
+``float32`` [m], costs as unsigned 16 bit [cm]. Decoding is memoised on the bytes: the fifty receivers of one body in a
+process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with exactly the numbers
+that its receivers see decodes its own bytes.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from swarm_msgs_py.binary import Reader, frozen, packed, packed_integers, packed_points
+from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.types import NodeId
+
+_KIND = struct.Struct("<B")
+_COUNT = struct.Struct("<H")
+_PLAN = struct.Struct("<IHHH")  # epoch; points of the contour, obstacles, goals
+_ROW = struct.Struct("<IHBHH")  # epoch, robot, type, version; costs
+_REQUEST = struct.Struct("<IH")  # epoch; rows held
+_REPORT = struct.Struct("<HBIhffB")  # robot, type, epoch, goal, x, y, mode
+
+_PLAN_KIND, _ROW_KIND, _REQUEST_KIND, _BUNDLE_KIND, _REPORT_KIND = range(1, 6)
+
+
+def encode_body(body: Body) -> bytes:
+    """Return `body` as bytes.
+
+    Raises
+    ------
+    FrameError
+        If a value does not fit the format (e.g. a coordinate that is not finite).
+    """
+    if isinstance(body, Plan):
+        return _KIND.pack(_PLAN_KIND) + _encode_plan(body)
+    if isinstance(body, CostRow):
+        return _KIND.pack(_ROW_KIND) + _encode_row(body)
+    if isinstance(body, RowRequest):
+        head = packed(_REQUEST, body.epoch, len(body.held))
+        return _KIND.pack(_REQUEST_KIND) + head + packed_integers([n for pair in body.held for n in pair], "<u2")
+    if isinstance(body, RowBundle):
+        return _KIND.pack(_BUNDLE_KIND) + packed(_COUNT, len(body.rows)) + b"".join(map(_encode_row, body.rows))
+    packed_points([body.position])  # refuses what is not finite
+    fields = (body.robot, body.robot_type, body.epoch, body.goal, *body.position, body.mode)
+    return _KIND.pack(_REPORT_KIND) + packed(_REPORT, *fields)
+
+
+@lru_cache(maxsize=2048)
+def decode_body(data: bytes) -> Body:
+    """Return the record that `data` stands for; shared, read-only.
+
+    Raises
+    ------
+    FrameError
+        If `data` is not exactly one body.
+    """
+    reader = Reader(data)
+    (kind,) = reader.fields(_KIND)
+    decode = _DECODERS.get(kind)
+    if decode is None:
+        raise FrameError(f"unknown kind of body: {kind}")
+    body = decode(reader)
+    reader.finish()
+    return body
+
+
+def _encode_plan(plan: Plan) -> bytes:
+    if len(plan.goal_types) != len(plan.goals):
+        raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
+    parts = [packed(_PLAN, plan.epoch, len(plan.contour), len(plan.obstacles), len(plan.goals))]
+    parts.append(packed_points(plan.contour))
+    for obstacle in plan.obstacles:
+        parts += [packed(_COUNT, len(obstacle)), packed_points(obstacle)]
+    parts += [packed_points(plan.goals), packed_integers(plan.goal_types, "<u1")]
+    return b"".join(parts)
+
+
+def _decode_plan(reader: Reader) -> Plan:
+    epoch, corners, obstacles, goals = reader.fields(_PLAN)
+    contour = reader.points(corners)
+    polygons = tuple(reader.points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
+    places = reader.points(goals)
+    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)))
+
+
+def _encode_row(row: CostRow) -> bytes:
+    head = packed(_ROW, row.epoch, row.robot, row.robot_type, row.version, len(row.costs))
+    return head + packed_integers(row.costs, "<u2")
+
+
+def _decode_row(reader: Reader) -> CostRow:
+    epoch, robot, robot_type, version, count = reader.fields(_ROW)
+    costs = frozen(reader.array("<u2", count).astype(np.int64))
+    return CostRow(epoch, NodeId(robot), robot_type, version, costs)
+
+
+def _decode_request(reader: Reader) -> RowRequest:
+    epoch, count = reader.fields(_REQUEST)
+    numbers = reader.array("<u2", 2 * count).tolist()
+    return RowRequest(epoch, tuple(zip(map(NodeId, numbers[::2]), numbers[1::2], strict=True)))
+
+
+def _decode_bundle(reader: Reader) -> RowBundle:
+    (count,) = reader.fields(_COUNT)
+    return RowBundle(tuple(_decode_row(reader) for _ in range(count)))
+
+
+def _decode_report(reader: Reader) -> Report:
+    robot, robot_type, epoch, goal, x, y, mode = reader.fields(_REPORT)
+    if not (abs(x) < np.inf and abs(y) < np.inf):  # false for NaN as well
+        raise FrameError("a coordinate is not finite")
+    return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode)
+
+
+_DECODERS: dict[int, Callable[[Reader], Body]] = {
+    _PLAN_KIND: _decode_plan,
+    _ROW_KIND: _decode_row,
+    _REQUEST_KIND: _decode_request,
+    _BUNDLE_KIND: _decode_bundle,
+    _REPORT_KIND: _decode_report,
+}

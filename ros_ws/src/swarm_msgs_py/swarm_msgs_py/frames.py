@@ -1,0 +1,201 @@
+"""Radio frames as bytes: versioned, length-checked, protected by a checksum.
+
+Layout, little-endian, without padding::
+
+    version u8 | kind u8 | source u16 | sequence u16 | length u16 | payload (length bytes) | CRC-16/XMODEM u16
+
+    hello           position 2 f32 | velocity 2 f32 | sigma f32 | type u8 | flags u8 | mode u8 | epoch u32 | digest u32
+                    | rows: destination u16, hops u8, sequence u16
+    packet          next hop u16 | origin u16 | destination u16 | number u16 | hops left u8 | body
+    acknowledgement rows: transmitter u16, origin u16, number u16
+
+A route row takes 5 bytes (spec section 5.3, rule 5, allows 6). Decoding is memoised on the bytes: all radios of one
+process that hear a frame share one record, whose arrays are read-only; so fifty agents in a process stay cheap.
+
+Several frames travel between a node and the world as one *batch* (one ROS message): tick u32 | flags u8 | (length u16 |
+frame)*.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from binascii import crc_hqx
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from swarm_msgs_py.binary import Reader, finite, frozen, packed, packed_integers
+from swarm_msgs_py.body_codec import decode_body, encode_body
+from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.types import NodeId
+
+__all__ = ["Batch", "decode_body", "decode_frame", "encode_body", "encode_frame", "pack_batch", "unpack_batch"]
+
+VERSION = 1
+_HELLO_KIND, _PACKET_KIND, _ACKNOWLEDGEMENT_KIND = 1, 2, 3
+_HEADER = struct.Struct("<BBHHH")  # version, kind, source, sequence, length
+_CHECK = struct.Struct("<H")
+_PRESENCE = struct.Struct("<5f3B2I")
+_PACKET = struct.Struct("<4HB")  # next hop, origin, destination, number, hops left
+_BATCH = struct.Struct("<IB")  # tick, flags
+_LENGTH = struct.Struct("<H")
+_IS_BEACON = 0x01
+
+ROUTE_ROW = np.dtype([("destination", "<u2"), ("hops", "u1"), ("sequence", "<u2")])
+"""One route row on the air."""
+
+OVERHEAD = _HEADER.size + _CHECK.size
+"""Bytes that a frame adds to its payload."""
+
+HELLO_SIZE = OVERHEAD + _PRESENCE.size
+"""Bytes of a hello without route rows."""
+
+
+def encode_frame(frame: Frame) -> bytes:
+    """Return `frame` as bytes.
+
+    Raises
+    ------
+    FrameError
+        If a value does not fit the format (e.g. a coordinate that is not finite).
+    """
+    if isinstance(frame, Hello):
+        kind, payload = _HELLO_KIND, _encode_hello(frame)
+    elif isinstance(frame, Packet):
+        kind = _PACKET_KIND
+        ends = (frame.next_hop, frame.origin, frame.destination, frame.number)
+        payload = packed(_PACKET, *ends, frame.hops_left) + frame.body
+    else:
+        kind = _ACKNOWLEDGEMENT_KIND
+        payload = packed_integers([n for triple in frame.packets for n in triple], "<u2")
+    data = packed(_HEADER, VERSION, kind, frame.source, frame.sequence, len(payload)) + payload
+    return data + _CHECK.pack(crc_hqx(data, 0))
+
+
+@lru_cache(maxsize=8192)
+def decode_frame(data: bytes) -> Frame:
+    """Return the frame that `data` stands for; shared, read-only.
+
+    Raises
+    ------
+    FrameError
+        If `data` is not exactly one valid frame of this version.
+    """
+    if len(data) < OVERHEAD:
+        raise FrameError(f"{len(data)} bytes are too few for a frame")
+    version, kind, source, sequence, length = _HEADER.unpack_from(data)
+    if version != VERSION:
+        raise FrameError(f"frame of version {version}, not {VERSION}")
+    if length != len(data) - OVERHEAD:
+        raise FrameError(f"frame announces {length} bytes of payload and carries {len(data) - OVERHEAD}")
+    if crc_hqx(data[: -_CHECK.size], 0) != _CHECK.unpack_from(data, len(data) - _CHECK.size)[0]:
+        raise FrameError("checksum does not fit")
+    reader = Reader(data, _HEADER.size, len(data) - _CHECK.size)
+    if kind == _HELLO_KIND:
+        return _decode_hello(NodeId(source), sequence, reader)
+    if kind == _PACKET_KIND:
+        next_hop, origin, destination, number, hops_left = reader.fields(_PACKET)
+        ends = NodeId(next_hop), NodeId(origin), NodeId(destination)
+        return Packet(NodeId(source), sequence, *ends, number, hops_left, reader.rest())
+    if kind == _ACKNOWLEDGEMENT_KIND:
+        return _decode_acknowledgement(NodeId(source), sequence, reader)
+    raise FrameError(f"unknown kind of frame: {kind}")
+
+
+def _encode_hello(hello: Hello) -> bytes:
+    presence, routes = hello.presence, hello.routes
+    numbers = (*map(float, presence.position), *map(float, presence.velocity), float(presence.sigma))
+    if not all(map(math.isfinite, numbers[:4])) or not numbers[4] >= 0.0:
+        raise FrameError("position and velocity must be finite, sigma not negative")
+    flags = _IS_BEACON if presence.is_beacon else 0
+    state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)
+    rows = np.empty(len(routes.destinations), ROUTE_ROW)
+    rows["destination"] = routes.destinations
+    rows["hops"] = routes.hops
+    rows["sequence"] = routes.sequences
+    return packed(_PRESENCE, *numbers, *state) + rows.tobytes()
+
+
+def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
+    x, y, vx, vy, sigma, robot_type, flags, mode, epoch, digest = reader.fields(_PRESENCE)
+    if not sigma >= 0.0:  # infinity stands for "position unknown"
+        raise FrameError("sigma must not be negative")
+    presence = Presence(
+        position=frozen(finite(np.array([x, y]))),
+        velocity=frozen(finite(np.array([vx, vy]))),
+        sigma=sigma,
+        robot_type=robot_type,
+        is_beacon=bool(flags & _IS_BEACON),
+        mode=mode,
+        epoch=epoch,
+        digest=digest,
+    )
+    rows = reader.array(ROUTE_ROW, reader.left() // ROUTE_ROW.itemsize)
+    reader.finish()
+    columns = (frozen(rows[name].astype(np.int64)) for name in ("destination", "hops", "sequence"))
+    return Hello(source, sequence, presence, RouteRows(*columns))
+
+
+def _decode_acknowledgement(source: NodeId, sequence: int, reader: Reader) -> Acknowledgement:
+    numbers = reader.array("<u2", 3 * (reader.left() // 6)).tolist()
+    reader.finish()
+    triples = zip(map(NodeId, numbers[::3]), map(NodeId, numbers[1::3]), numbers[2::3], strict=True)
+    return Acknowledgement(source, sequence, tuple(triples))
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Frames of one node and tick, as one message.
+
+    Attributes
+    ----------
+    tick : int
+    flags : int
+        Meaning is up to the two ends, 8 bits.
+    frames : tuple of bytes
+    """
+
+    tick: int
+    flags: int
+    frames: tuple[bytes, ...]
+
+
+def pack_batch(tick: int, flags: int, frames: Iterable[bytes]) -> bytes:
+    """Return frames of one tick as one byte string.
+
+    Raises
+    ------
+    FrameError
+        If a frame is longer than 65535 bytes, or `tick` or `flags` do not fit.
+    """
+    parts = [packed(_BATCH, tick, flags)]
+    for frame in frames:
+        parts += [packed(_LENGTH, len(frame)), frame]
+    return b"".join(parts)
+
+
+def unpack_batch(data: bytes) -> Batch:
+    """Return the batch that `data` stands for; the frames themselves are not looked into.
+
+    Raises
+    ------
+    FrameError
+        If `data` is not exactly one batch.
+    """
+    if len(data) < _BATCH.size:
+        raise FrameError(f"{len(data)} bytes are too few for a batch")
+    tick, flags = _BATCH.unpack_from(data)
+    frames, at, end = [], _BATCH.size, len(data)
+    while at < end:
+        if end - at < _LENGTH.size:
+            raise FrameError("batch ends within a length")
+        start = at + _LENGTH.size
+        at = start + _LENGTH.unpack_from(data, at)[0]
+        if at > end:
+            raise FrameError("batch ends within a frame")
+        frames.append(data[start:at])
+    return Batch(tick, flags, tuple(frames))

@@ -1,0 +1,53 @@
+"""Settings of a node's mesh network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from swarm_msgs_py.config import Config, setting
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NetworkConfig(Config):
+    """Timing and bounds of neighbour discovery, DSDV routing and packet delivery (spec section 5.3)."""
+
+    full_dump_period_s: float = setting(
+        3.0, "time between advertisements of the whole route table (spec 5.3, rule 2)", unit="s", above=0.0, maximum=60.0
+    )
+    missed_adverts: int = setting(
+        3, "a neighbour is gone after this many ticks without a hello (spec 5.3, rule 2)", minimum=1, maximum=100
+    )
+    stale_time_s: float = setting(
+        6.0, "a route not refreshed for this long is deleted (spec 5.3, rule 2)", unit="s", above=0.0, maximum=600.0
+    )
+    delay_max_s: float = setting(
+        0.5, "longest delay of a frame on the air, beyond the tick it always takes", unit="s", minimum=0.0, maximum=60.0
+    )
+    hop_limit: int = setting(32, "hops that a packet or route may take", unit="hops", minimum=1, maximum=250)
+    settling_factor: float = setting(
+        2.0,
+        "advertise a mere change of cost after this many average settling times (Perkins and Bhagwat 1994; 0: at once)",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    settling_max_s: float = setting(1.0, "longest wait of a damped advertisement", unit="s", minimum=0.0, maximum=60.0)
+    rows_per_hello: int = setting(
+        1000, "route rows in one hello; what is left over follows in the next", unit="rows", minimum=1, maximum=10000
+    )
+    attempts: int = setting(6, "transmissions of a routed packet per hop before it is dropped", minimum=1, maximum=100)
+    acknowledge_time_s: float = setting(
+        1.0, "repeat a routed packet that is not acknowledged within this time", unit="s", above=0.0, maximum=60.0
+    )
+    hold_time_s: float = setting(
+        8.0, "how long a packet waits for a route to be repaired before it is dropped", unit="s", minimum=0.0, maximum=600.0
+    )
+    flood_redundancy: int = setting(
+        2,
+        "radios that relay a flooded packet although all their neighbours should have heard it (against loss)",
+        minimum=0,
+        maximum=100,
+    )
+    seen_packets: int = setting(
+        4096, "packets remembered to tell duplicates, the oldest forgotten first", minimum=16, maximum=1000000
+    )
+    queue_packets: int = setting(256, "packets that wait for transmission, the oldest dropped first", minimum=1, maximum=100000)

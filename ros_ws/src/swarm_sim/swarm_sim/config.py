@@ -1,0 +1,124 @@
+"""Settings of the simulated world: physics, ground, firmware, sensors, radio."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from swarm_msgs_py.config import Config, section, setting
+
+
+class Backend(Enum):
+    """Who moves the bodies."""
+
+    BULLET = "bullet"
+    MASSDAMPER = "massdamper"
+
+
+class Ground(Enum):
+    """What the robots drive on."""
+
+    ROUGH = "rough"
+    PLANE = "plane"
+
+
+class GainSet(Enum):
+    """Where the gains of the velocity servo come from (spec section 12.2, erratum E20)."""
+
+    RECOMMENDED = "recommended"
+    TABLE_4_2 = "table_4_2"
+    WEIGHTS = "weights"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PhysicsConfig(Config):
+    """The physics back end."""
+
+    backend: Backend = setting(Backend.BULLET, "bullet: rigid bodies with contacts; massdamper: m dv/dt = F - b v, fast")
+    rate_hz: float = setting(
+        120.0, "physics steps per second, also the rate of the robots' firmware", unit="Hz", minimum=50.0, maximum=2000.0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TerrainConfig(Config):
+    """The ground of the arena (back end `bullet`; `massdamper` is flat)."""
+
+    ground: Ground = setting(Ground.ROUGH, "rough: seeded height field; plane: flat")
+    amplitude_m: float = setting(0.10, "standard deviation of the ground height", unit="m", minimum=0.0, maximum=0.5)
+    roughness: float = setting(
+        0.3, "0: only long waves; 1: short waves as high as long ones", minimum=0.0, maximum=1.0
+    )
+    wavelength_m: float = setting(12.0, "longest wave of the ground", unit="m", minimum=4.0, maximum=100.0)
+    margin_m: float = setting(20.0, "ground beyond the bounds of the arena", unit="m", minimum=2.0, maximum=200.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServoConfig(Config):
+    """The velocity servo in the robots' firmware."""
+
+    gains: GainSet = setting(GainSet.RECOMMENDED, "recommended, table_4_2 or weights (thesis eq. (3.108)-(3.111))")
+    command_timeout_s: float = setting(
+        1.0, "a robot that gets no new command for longer stops", unit="s", minimum=0.0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImuConfig(Config):
+    """Inertial measurement (thesis section 4.2)."""
+
+    bias_max_mps2: float = setting(
+        9.81e-4, "largest constant acceleration bias per axis, drawn per robot (0.1 mg)", unit="m/s^2", minimum=0.0
+    )
+    sigma_mps2: float = setting(0.01, "white noise of the mean acceleration", unit="m/s^2", minimum=0.0)
+    yaw_sigma_rad: float = setting(0.0, "white noise of the heading", unit="rad", minimum=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixConfig(Config):
+    """Position sensor of the robots that carry one."""
+
+    sigma_m: float = setting(0.02, "white noise per axis", unit="m", minimum=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RangingConfig(Config):
+    """Time-of-arrival ranging between direct radio neighbors (model `range` of spec section 4)."""
+
+    sigma_m: float = setting(2.0, "white noise of each range (thesis: 2 m)", unit="m", minimum=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProximityConfig(Config):
+    """Short-range relative sensing of robots and walls."""
+
+    range_m: float = setting(3.0, "farthest surface that is seen, from the robot's center", unit="m", minimum=0.0)
+    sigma_m: float = setting(0.005, "white noise per axis of each point", unit="m", minimum=0.0)
+    points_max: int = setting(12, "nearest points that are reported", minimum=1, maximum=1000)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadioConfig(Config):
+    """The radio medium (spec section 3)."""
+
+    range_m: float = setting(25.0, "radios closer than this and in line of sight hear each other", unit="m", above=0.0)
+    loss: float = setting(0.0, "probability that one receiver misses one frame", minimum=0.0, maximum=1.0)
+    delay_ticks_max: int = setting(0, "largest extra delay of a frame, drawn per receiver", unit="ticks", minimum=0)
+    budget_bps: float = setting(
+        250_000.0, "what one radio may send; frames beyond it are dropped", unit="bit/s", above=0.0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimConfig(Config):
+    """All settings of the simulated world."""
+
+    period_s: float = setting(0.5, "control period: one tick", unit="s", minimum=0.05, maximum=1.0)
+    physics: PhysicsConfig = section(PhysicsConfig, "back end and rate")
+    terrain: TerrainConfig = section(TerrainConfig, "the ground")
+    servo: ServoConfig = section(ServoConfig, "velocity servo")
+    imu: ImuConfig = section(ImuConfig, "inertial sensor")
+    fix: FixConfig = section(FixConfig, "position sensor")
+    ranging: RangingConfig = section(RangingConfig, "time-of-arrival ranging")
+    proximity: ProximityConfig = section(ProximityConfig, "short-range sensing")
+    radio: RadioConfig = section(RadioConfig, "radio medium")

@@ -1,0 +1,1 @@
+"""What runs on a robot's microcontroller, at the physics rate."""

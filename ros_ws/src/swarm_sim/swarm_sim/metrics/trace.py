@@ -1,0 +1,133 @@
+"""The recorded run: true motion and what the robots reported, as arrays over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarm_msgs_py.messages.report import AgentReport
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+from swarm_sim.simulation import TickTruth
+
+NOTHING = -1
+"""Mode and goal of a robot that did not report in a tick."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A run of `t` ticks and `s` motion samples of `n` robots.
+
+    Attributes
+    ----------
+    robots : tuple of NodeId
+        Ascending; the order of all robot axes.
+    tick_times : (t,) array
+        Start of each tick [s].
+    tick_positions : (t, n, 2) array
+        True positions at the start of each tick [m].
+    yaws : (t, n) array
+        True headings at the start of each tick [rad].
+    alive : (t, n) bool array
+        Whether the robot's electronics worked in the tick.
+    estimates : (t, n, 2) array
+        Position that the robot believed in, NaN where it reported none [m].
+    modes, goals : (t, n) int array
+        As reported, `NOTHING` where nothing was.
+    sample_times : (s,) array
+        Of the motion samples, the start first [s].
+    positions, velocities : (s, n, 2) array
+        True motion [m], [m/s].
+    """
+
+    robots: tuple[NodeId, ...]
+    tick_times: FloatArray
+    tick_positions: FloatArray
+    yaws: FloatArray
+    alive: np.ndarray
+    estimates: FloatArray
+    modes: IntArray
+    goals: IntArray
+    sample_times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+
+    @property
+    def sample_rate(self) -> float:
+        """Motion samples per second [Hz], 0 without motion."""
+        if len(self.sample_times) < 2:
+            return 0.0
+        return (len(self.sample_times) - 1) / float(self.sample_times[-1] - self.sample_times[0])
+
+
+class TraceRecorder:
+    """Collects ticks into a `Trace`.
+
+    Parameters
+    ----------
+    robots : sequence of NodeId
+        Ascending, in the order of the truth's rows.
+    period_s : float
+        Duration of a tick [s].
+    """
+
+    def __init__(self, robots: Sequence[NodeId], period_s: float) -> None:
+        self._robots = tuple(robots)
+        self._row_of = {robot: row for row, robot in enumerate(self._robots)}
+        self._period = period_s
+        self._truths: list[TickTruth] = []
+        self._estimates: list[FloatArray] = []
+        self._modes: list[IntArray] = []
+        self._goals: list[IntArray] = []
+
+    def __len__(self) -> int:
+        return len(self._truths)
+
+    def record(self, truth: TickTruth, reports: Mapping[NodeId, AgentReport]) -> None:
+        """Append one tick."""
+        count = len(self._robots)
+        estimates = np.full((count, 2), np.nan)
+        modes, goals = np.full(count, NOTHING, dtype=np.int64), np.full(count, NOTHING, dtype=np.int64)
+        for robot, report in reports.items():
+            row = self._row_of[robot]
+            estimates[row], modes[row], goals[row] = report.position, int(report.mode), report.goal
+        self._truths.append(truth)
+        self._estimates.append(estimates)
+        self._modes.append(modes)
+        self._goals.append(goals)
+
+    def trace(self) -> Trace:
+        """Return everything recorded so far; empty axes before the first tick."""
+        count, truths = len(self._robots), self._truths
+        ticks = len(truths)
+        return Trace(
+            robots=self._robots,
+            tick_times=np.array([truth.time for truth in truths], dtype=np.float64),
+            tick_positions=_stacked([truth.positions for truth in truths], (ticks, count, 2)),
+            yaws=_stacked([truth.yaws for truth in truths], (ticks, count)),
+            alive=np.array([truth.alive for truth in truths], dtype=bool).reshape(ticks, count),
+            estimates=_stacked(self._estimates, (ticks, count, 2)),
+            modes=np.array(self._modes, dtype=np.int64).reshape(ticks, count),
+            goals=np.array(self._goals, dtype=np.int64).reshape(ticks, count),
+            sample_times=sample_times(truths, self._period),
+            positions=_joined([t.positions for t in truths[:1]], [t.samples for t in truths], count),
+            velocities=_joined([t.velocities for t in truths[:1]], [t.sample_velocities for t in truths], count),
+        )
+
+
+def sample_times(truths: Sequence[TickTruth], period_s: float) -> FloatArray:
+    """Return the times of the start of the first tick and of all samples after it, (s,) [s]."""
+    times = [np.array([truth.time for truth in truths[:1]])]
+    for truth in truths:
+        times.append(truth.time + period_s * np.arange(1, len(truth.samples) + 1) / len(truth.samples))
+    return np.concatenate(times).astype(np.float64)
+
+
+def _stacked(parts: list[FloatArray], shape: tuple[int, ...]) -> FloatArray:
+    return np.array(parts, dtype=np.float64).reshape(shape)
+
+
+def _joined(start: list[FloatArray], parts: list[FloatArray], count: int) -> FloatArray:
+    first = _stacked(start, (len(start), count, 2))
+    return np.concatenate([first, *parts]).astype(np.float64)

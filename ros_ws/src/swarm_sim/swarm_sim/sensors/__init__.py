@@ -1,0 +1,1 @@
+"""Truth plus named random streams -> what robots measure."""

@@ -1,0 +1,1 @@
+"""Truth: bodies, ground, obstacles."""

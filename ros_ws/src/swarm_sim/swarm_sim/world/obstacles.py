@@ -1,0 +1,161 @@
+"""Geometry of the polygonal obstacles, vectorized: distance, nearest surface, line of sight, convex pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Polygon, constrained_delaunay_triangles
+from shapely.geometry.polygon import orient
+from shapely.ops import unary_union
+
+from swarm_msgs_py.types import FloatArray, IntArray
+
+BoolArray = NDArray[np.bool_]
+
+SEAM = 1e-9
+"""Points nearer than this to a corner count as the corner [m]."""
+
+
+class ObstacleField:
+    """All obstacles of a scene as one table of edges.
+
+    Parameters
+    ----------
+    polygons : sequence of (k, 2) array
+        Simple polygons, either orientation [m].
+    """
+
+    def __init__(self, polygons: Sequence[FloatArray]) -> None:
+        rings = [np.array(orient(Polygon(corners)).exterior.coords)[:-1] for corners in polygons]
+        self.count = len(rings)
+        self.corners: tuple[FloatArray, ...] = tuple(rings)
+        self._first = np.cumsum([0, *map(len, rings)])[:-1].astype(np.int64)
+        self._owner = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
+        self.starts: FloatArray = np.concatenate([np.empty((0, 2)), *rings])
+        ends = np.concatenate([np.empty((0, 2)), *(np.roll(ring, -1, axis=0) for ring in rings)])
+        self._along = ends - self.starts
+        self._length2 = (self._along**2).sum(axis=1)
+        self._low = np.array([ring.min(axis=0) for ring in rings]).reshape(-1, 2)
+        self._high = np.array([ring.max(axis=0) for ring in rings]).reshape(-1, 2)
+
+    def box_distances(self, points: FloatArray) -> FloatArray:
+        """Return the distance (n, obstacles) from points (n, 2) to the obstacles' bounding boxes [m]."""
+        outside = np.maximum(self._low - points[:, None], points[:, None] - self._high)
+        gap: FloatArray = np.hypot(*np.moveaxis(np.maximum(outside, 0.0), -1, 0))
+        return gap
+
+    def signed_distances(self, points: FloatArray, obstacle: int) -> FloatArray:
+        """Return the distance (n,) from points (n, 2) to one obstacle, negative inside [m]."""
+        starts, along, length2 = self._edges_of(obstacle)
+        offset = points[:, None] - starts
+        share = np.clip((offset * along).sum(axis=-1) / length2, 0.0, 1.0)
+        away = offset - share[..., None] * along
+        distance = np.sqrt((away**2).sum(axis=-1).min(axis=1))
+        # Crossing number of the ray towards +x.
+        below = offset[..., 1] >= 0.0
+        crosses = below != (offset[..., 1] >= along[:, 1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crosses &= offset[..., 0] < offset[..., 1] / along[:, 1] * along[:, 0]
+        signed: FloatArray = np.where(crosses.sum(axis=1) % 2 == 1, -distance, distance)
+        return signed
+
+    def facing_points(self, points: FloatArray, reach: float) -> tuple[IntArray, FloatArray]:
+        """Return the nearest points of all wall faces within reach, seen from outside.
+
+        A face gives a point where the distance along the boundary has a local minimum on the side turned to the
+        observer. So a straight wall or an outer corner gives one point and an inner corner gives one per wall.
+
+        Parameters
+        ----------
+        points : (n, 2) array
+            Observers [m].
+        reach : float
+            Farthest point that counts [m].
+
+        Returns
+        -------
+        observers : (k,) int array
+            Row of the observer, ascending.
+        surface : (k, 2) array
+            Nearest point of the face, world frame [m].
+        """
+        near_observer, near_obstacle = np.nonzero(self.box_distances(points) <= reach)
+        rows, spots = [], []
+        for obstacle in np.unique(near_obstacle):
+            observers = near_observer[near_obstacle == obstacle]
+            starts, along, length2 = self._edges_of(int(obstacle))
+            offset = points[observers][:, None] - starts
+            raw = (offset * along).sum(axis=-1) / length2
+            share = np.clip(raw, 0.0, 1.0)
+            away = offset - share[..., None] * along
+            # Counter-clockwise corners: the outside is to the right of an edge.
+            is_facing = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0] < 0.0
+            on_face = (raw >= 0.0) & (raw < 1.0) & is_facing
+            # A corner is nearest where the edge before it ends short of the foot and the next begins beyond it.
+            on_corner = (raw < 0.0) & (np.roll(raw, 1, axis=1) >= 1.0) & (is_facing | np.roll(is_facing, 1, axis=1))
+            seen = (on_face | on_corner) & ((away**2).sum(axis=-1) <= reach**2)
+            row, edge = np.nonzero(seen)
+            rows.append(observers[row])
+            spots.append((starts + share[row][np.arange(len(row)), :, None] * along)[np.arange(len(row)), edge])
+        if not rows:
+            return np.empty(0, dtype=np.int64), np.empty((0, 2))
+        observers, surface = np.concatenate(rows), np.concatenate(spots)
+        order = np.argsort(observers, kind="stable")
+        return observers[order], surface[order]
+
+    def is_blocked(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
+        """Return whether each segment (n, 2) to (n, 2) touches an obstacle's boundary.
+
+        Both ends are taken to be outside; so a segment that touches no boundary is free.
+        """
+        blocked = np.zeros(len(starts), dtype=np.bool_)
+        low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+        overlaps = ((low[:, None] <= self._high) & (high[:, None] >= self._low)).all(axis=-1)
+        for obstacle in np.flatnonzero(overlaps.any(axis=0)):
+            rows = np.flatnonzero(overlaps[:, obstacle] & ~blocked)
+            edges, along, _ = self._edges_of(int(obstacle))
+            blocked[rows] = _any_crossing(starts[rows], ends[rows], edges, along)
+        return blocked
+
+    def _edges_of(self, obstacle: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        first = self._first[obstacle]
+        part = slice(first, first + len(self.corners[obstacle]))
+        return self.starts[part], self._along[part], self._length2[part]
+
+
+def _any_crossing(starts: FloatArray, ends: FloatArray, edges: FloatArray, along: FloatArray) -> BoolArray:
+    """Return for each segment whether it meets any of the edges."""
+    ray = (ends - starts)[:, None]
+    offset = edges - starts[:, None]
+    # Sides of the edge's two ends relative to the segment, and of the segment's two ends relative to the edge.
+    side = ray[..., 0] * offset[..., 1] - ray[..., 1] * offset[..., 0]
+    turn = ray[..., 0] * along[:, 1] - ray[..., 1] * along[:, 0]
+    place = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0]
+    crossing: BoolArray = ((side * (side + turn) <= 0.0) & (place * (place + (-turn) * -1.0 - turn) <= 0.0)).any(axis=1)
+    return crossing
+
+
+def convex_pieces(polygon: FloatArray) -> tuple[FloatArray, ...]:
+    """Return convex polygons (k, 2), counter-clockwise, whose union is the polygon.
+
+    Triangles of the constrained Delaunay triangulation are merged greedily while the union stays convex; the order of
+    the pieces depends on nothing but the corners.
+    """
+    pieces = [triangle for triangle in constrained_delaunay_triangles(Polygon(polygon)).geoms]
+    pieces.sort(key=lambda piece: (piece.centroid.x, piece.centroid.y))
+    merged = True
+    while merged:
+        merged = False
+        for i in range(len(pieces)):
+            for j in range(i + 1, len(pieces)):
+                union = unary_union([pieces[i], pieces[j]])
+                if union.geom_type == "Polygon" and union.convex_hull.area - union.area <= SEAM * union.area:
+                    pieces[i] = union.convex_hull
+                    del pieces[j]
+                    merged = True
+                    break
+            if merged:
+                break
+    return tuple(np.array(orient(piece).exterior.coords)[:-1] for piece in pieces)
