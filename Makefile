@@ -54,8 +54,9 @@ check: $(LINKED) ## format, lint, types and the fast tests
 	@$(VENV_PYTHON) -m mypy $(MODULES) scripts
 	@$(PYTEST) --quiet $(wildcard tests/unit tests/property tests/contract) tests/test_*.py $(ARGS)
 
-bench: $(LINKED) ## measure speed and quality of formation-50 on both engines; prints a table
+bench: $(LINKED) ## measure speed and quality of formation-50 on both engines, then single parts; prints tables
 	@$(VENV_PYTHON) benchmarks/formation.py $(ARGS)
+	@for part in benchmarks/bench_*.py; do echo; echo "### $$part"; $(VENV_PYTHON) "$$part"; done
 
 build: $(LINKED) ## build the ROS workspace with colcon
 	@cd ros_ws && PATH="$(abspath $(VENV))/bin:$$PATH" colcon build $(ARGS)

@@ -18,6 +18,6 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["numpy", "PyYAML"],
+    install_requires=["numpy"],
     zip_safe=False,
 )

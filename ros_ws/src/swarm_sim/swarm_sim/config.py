@@ -34,9 +34,15 @@ class GainSet(Enum):
 class PhysicsConfig(Config):
     """The physics back end."""
 
-    backend: Backend = setting(Backend.BULLET, "bullet: rigid bodies with contacts; massdamper: m dv/dt = F - b v, fast")
+    backend: Backend = setting(
+        Backend.BULLET, "bullet: rigid bodies with contacts; massdamper: m dv/dt = F - b v, fast"
+    )
     rate_hz: float = setting(
-        120.0, "physics steps per second, also the rate of the robots' firmware", unit="Hz", minimum=50.0, maximum=2000.0
+        60.0,
+        "physics steps per second, also the rate of the robots' firmware (table_4_2 gains need 80 Hz)",
+        unit="Hz",
+        minimum=50.0,
+        maximum=2000.0,
     )
 
 
@@ -46,9 +52,7 @@ class TerrainConfig(Config):
 
     ground: Ground = setting(Ground.ROUGH, "rough: seeded height field; plane: flat")
     amplitude_m: float = setting(0.10, "standard deviation of the ground height", unit="m", minimum=0.0, maximum=0.5)
-    roughness: float = setting(
-        0.3, "0: only long waves; 1: short waves as high as long ones", minimum=0.0, maximum=1.0
-    )
+    roughness: float = setting(0.3, "0: only long waves; 1: short waves as high as long ones", minimum=0.0, maximum=1.0)
     wavelength_m: float = setting(12.0, "longest wave of the ground", unit="m", minimum=4.0, maximum=100.0)
     margin_m: float = setting(20.0, "ground beyond the bounds of the arena", unit="m", minimum=2.0, maximum=200.0)
 
@@ -58,9 +62,7 @@ class ServoConfig(Config):
     """The velocity servo in the robots' firmware."""
 
     gains: GainSet = setting(GainSet.RECOMMENDED, "recommended, table_4_2 or weights (thesis eq. (3.108)-(3.111))")
-    command_timeout_s: float = setting(
-        1.0, "a robot that gets no new command for longer stops", unit="s", minimum=0.0
-    )
+    command_timeout_s: float = setting(1.0, "a robot that gets no new command for longer stops", unit="s", minimum=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

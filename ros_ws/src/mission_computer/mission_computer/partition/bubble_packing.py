@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
 
 import numpy as np
 
 from mission_computer.partition.config import BubbleConfig, BubbleLaw
 from mission_computer.partition.domain import Domain
 from mission_computer.partition.initial_placement import place
-from mission_computer.partition.separation import is_separated, separate
+from mission_computer.partition.separation import Separator
 from mission_computer.partition.shape_force import ShapeForce
 from swarm_msgs_py.types import FloatArray
 
 THESIS_RANGE = 2.5  # [m], l0 of thesis eq. (3.95)
+DISTANCE_MIN = 1e-9  # [m]; two bubbles in one place push each other nowhere, and the separator parts them
 THESIS_PEAK = 4.0  # force of (3.95) at zero distance; brings its steps to the size of the scaled law's
 STEP_FLOOR = 0.2  # share of the step limit that is left in the last iteration
-
-PairForce = Callable[[FloatArray], FloatArray]
+SWEEPS = 2  # of pushing apart, per iteration; the next iteration goes on where they end
+FINAL_SWEEPS = 500  # enough for what the forces leave in a tight shape
 
 
 class BubblePacking:
@@ -50,67 +51,107 @@ class BubblePacking:
         (n, 2) array or None
             Centers that keep all gaps; None if Algorithm 1 finds no room.
         """
-        centers = place(domain) if start is None else separate(domain, start)
-        return None if centers is None else self._relax(domain, centers)
+        separator = Separator(domain)
+        if start is not None:
+            centers = separator.apart(start, FINAL_SWEEPS)
+            if separator.is_separated(centers):
+                return self._relax(domain, centers, softness=0.0)
+        placed = place(domain)
+        return None if placed is None else self._relax(domain, placed, self._config.softness)
 
-    def _relax(self, domain: Domain, centers: FloatArray) -> FloatArray:
-        """Return the centers at rest; they keep all gaps if the given ones do."""
+    def _relax(self, domain: Domain, placed: FloatArray, softness: float) -> FloatArray:
+        """Return the centers at rest; they keep all gaps if those of `placed` do."""
         config = self._config
-        scaled = config.law is BubbleLaw.SCALED
-        base = config.beta * domain.spacing if scaled else THESIS_RANGE
-        pair_force = self._pair_force(domain, base)
+        law = _LAWS[config.law](config, domain)
         shape_force = ShapeForce(domain.contour)
-        shape_gain = config.kappa * base / 4.0 if scaled else 1.0
-        gain = config.step * base / (1.0 if scaled else THESIS_PEAK)
-        feasible = centers
+        separator = Separator(domain)
+        centers = placed
         for iteration in range(config.iterations_max):
-            force = pair_force(centers) + shape_gain * shape_force.at(centers)
-            left = 1.0 - iteration / config.iterations_max
-            limit = config.step_max * base * (STEP_FLOOR + (1.0 - STEP_FLOOR) * left)
-            steps = gain * force
+            done = iteration / config.iterations_max
+            stretch = 1.0 + softness * max(0.0, 1.0 - done / config.softening) if config.softening else 1.0
+            force = law.between(centers, stretch) + law.shape_gain * shape_force.at(centers)
+            limit = config.step_max * law.base * (STEP_FLOOR + (1.0 - STEP_FLOOR) * (1.0 - done))
+            steps = law.mobility * force
             lengths = np.sqrt(np.einsum("nd,nd->n", steps, steps))
             steps *= np.minimum(1.0, limit / np.maximum(lengths, limit))[:, None]
-            moved = separate(domain, centers + steps)
-            change = float(np.abs(moved - centers).max())
+            moved = separator.apart(centers + steps, SWEEPS)
+            longest = float(np.abs(moved - centers).max())
             centers = moved
-            if change < config.tolerance_m:
+            if longest < config.tolerance_m and stretch == 1.0:
                 break
-        return centers if is_separated(domain, centers) else feasible
-
-    def _pair_force(self, domain: Domain, base: float) -> PairForce:
-        """Return the function from (n, 2) centers to the (n, 2) force of all other bubbles on each."""
-        mean = float(domain.radii.mean())
-        share = (domain.radii[:, None] + domain.radii) / (2.0 * mean) - 1.0
-        ranges = base * (1.0 + self._config.eta * share)
-        # A large pair in a tight shape must begin to push before it touches.
-        ranges = np.maximum(ranges, domain.least_distances)
-        law = _scaled_law if self._config.law is BubbleLaw.SCALED else _thesis_law
-
-        def force(centers: FloatArray) -> FloatArray:
-            x, y = centers.T
-            dx, dy = x[:, None] - x, y[:, None] - y
-            distances = np.sqrt(dx * dx + dy * dy)
-            np.fill_diagonal(distances, np.inf)
-            pull = law(distances, ranges) / distances
-            return np.column_stack([np.einsum("ij,ij->i", pull, dx), np.einsum("ij,ij->i", pull, dy)])
-
-        return force
+        centers = separator.apart(centers, FINAL_SWEEPS)
+        return centers if separator.is_separated(centers) else placed
 
 
-def _scaled_law(distances: FloatArray, ranges: FloatArray) -> FloatArray:
-    """Return the repulsive part of the bubble-mesh force, which ends smoothly at the range.
+class _Law(ABC):
+    """Force between bubbles, with the scales that belong to it.
+
+    Attributes
+    ----------
+    base : float
+        Range l0 for a pair of mean radius [m].
+    shape_gain : float
+        Factor of the shape force.
+    mobility : float
+        Step per unit of force [m].
+    """
+
+    base: float
+    shape_gain: float
+    mobility: float
+
+    @abstractmethod
+    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:
+        """Return the (n, n) force between centers at these distances, the range `stretch` times as long."""
+
+    def between(self, centers: FloatArray, stretch: float) -> FloatArray:
+        """Return the (n, 2) force of all other bubbles on each of (n, 2) centers."""
+        x, y = centers.T
+        dx, dy = x[:, None] - x, y[:, None] - y
+        distances = np.sqrt(dx * dx + dy * dy)
+        np.fill_diagonal(distances, np.inf)
+        push = self.magnitude(distances, stretch) / np.maximum(distances, DISTANCE_MIN)
+        return np.column_stack([np.einsum("ij,ij->i", push, dx), np.einsum("ij,ij->i", push, dy)])
+
+
+class _ScaledLaw(_Law):
+    """Repulsive part of the bubble-mesh force, ending smoothly at a range that follows the area per robot.
 
     References
     ----------
     .. [1] K. Shimada, D. C. Gossard, "Bubble mesh", ACM Symposium on Solid Modeling, 1995.
     """
-    x = np.minimum(distances / ranges, 1.0)
-    force: FloatArray = (1.25 * x - 2.375) * x * x + 1.125
-    return np.maximum(force, 0.0)
+
+    def __init__(self, config: BubbleConfig, domain: Domain) -> None:
+        self.base = config.beta * domain.spacing
+        self.shape_gain = config.kappa * self.base / 4.0
+        self.mobility = config.step * self.base
+        sums = domain.radii[:, None] + domain.radii
+        share = sums / (2.0 * float(domain.radii.mean())) - 1.0
+        # A large pair in a tight shape must begin to push before it touches.
+        self._ranges = np.maximum(self.base * (1.0 + config.eta * share), domain.least_distances)
+
+    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:
+        x = np.minimum(distances / (stretch * self._ranges), 1.0)
+        force: FloatArray = (1.25 * x - 2.375) * x * x + 1.125
+        return force
 
 
-def _thesis_law(distances: FloatArray, _ranges: FloatArray) -> FloatArray:
-    """Return the force of thesis eq. (3.95), which jumps to zero at its range."""
-    x = np.minimum(distances, THESIS_RANGE)
-    force: FloatArray = ((-0.1 * x - 0.2) * x - 0.3) * x + 4.0
-    return np.where(distances <= THESIS_RANGE, force, 0.0)
+class _ThesisLaw(_Law):
+    """Force of thesis eq. (3.95), which jumps to zero at its fixed range and knows no radii."""
+
+    def __init__(self, config: BubbleConfig, domain: Domain) -> None:  # noqa: ARG002 - the signature of all laws
+        self.base = THESIS_RANGE
+        self.shape_gain = 1.0
+        self.mobility = config.step * THESIS_RANGE / THESIS_PEAK
+
+    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:  # noqa: ARG002
+        x = np.minimum(distances, THESIS_RANGE)
+        force: FloatArray = np.where(distances <= THESIS_RANGE, ((-0.1 * x - 0.2) * x - 0.3) * x + THESIS_PEAK, 0.0)
+        return force
+
+
+_LAWS: dict[BubbleLaw, type[_ScaledLaw] | type[_ThesisLaw]] = {
+    BubbleLaw.SCALED: _ScaledLaw,
+    BubbleLaw.THESIS: _ThesisLaw,
+}

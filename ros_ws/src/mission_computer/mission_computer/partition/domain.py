@@ -80,14 +80,6 @@ class Domain:
         """Return the problem with the contour scaled about its center and without obstacles."""
         return Domain(self.center + factor * (self.contour - self.center), (), self.radii, self.gaps)
 
-    def project(self, centers: FloatArray) -> FloatArray:
-        """Return the (n, 2) centers, those outside their free region moved to its nearest point."""
-        projected = centers.copy()
-        for radius, region in zip(self.classes, self.regions, strict=True):
-            rows = self.radii == radius
-            projected[rows] = region.project(centers[rows])
-        return projected
-
 
 def check_obstacles(domain: Domain) -> None:
     """Refuse a shape that lies over an obstacle.

@@ -9,7 +9,9 @@ from shapely.geometry.base import BaseGeometry
 
 from swarm_msgs_py.types import FloatArray
 
-ARC_SEGMENTS = 16  # chords per quarter circle; they cut at most 0.12 % of the radius off a rounded corner
+ARC_SEGMENTS = 16  # chords per quarter circle
+# GEOS simplifies a polygon by up to 1 % of the distance before it buffers it; chords for arcs cut off another 0.12 %.
+BUFFER_ERROR = 0.0115
 
 
 class FreeRegion:
@@ -60,13 +62,29 @@ class FreeRegion:
         feet: FloatArray = self.starts + along[:, None] * self._edges
         return feet
 
-    def project(self, points: FloatArray) -> FloatArray:
-        """Return (n, 2) points, those outside moved to the nearest boundary point."""
-        moved = points.copy()
-        for index in np.flatnonzero(~self.contains(points)):
-            feet = self.feet(points[index])
-            moved[index] = feet[np.argmin(((feet - points[index]) ** 2).sum(axis=1))]
-        return moved
+    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return points of the region, and how far each is from the boundary.
+
+        Parameters
+        ----------
+        points : (n, 2) array
+
+        Returns
+        -------
+        (n, 2) array
+            Points inside unchanged, points outside moved to the nearest boundary point.
+        (n,) array
+            Distance to the boundary [m], 0 for those that were moved.
+        """
+        offsets = points[:, None] - self.starts
+        along = np.clip(np.einsum("nmd,md->nm", offsets, self._edges) / self._squares, 0.0, 1.0)
+        gaps = offsets - along[:, :, None] * self._edges
+        squares = np.einsum("nmd,nmd->nm", gaps, gaps)
+        nearest = np.argmin(squares, axis=1)
+        rows = np.arange(len(points))
+        inside = self.contains(points)
+        moved = np.where(inside[:, None], points, points - gaps[rows, nearest])
+        return moved, np.where(inside, np.sqrt(squares[rows, nearest]), 0.0)
 
 
 def free_region(
@@ -85,10 +103,8 @@ def free_region(
     contour_gap, obstacle_gap : float
         Free gap to keep to the contour and to obstacles [m].
     """
-    # Chords of a rounded corner pass nearer to the corner than the arc; a slightly larger radius makes up for it.
-    margin = 1.0 / np.cos(np.pi / (4.0 * ARC_SEGMENTS))
-    region = Polygon(contour).buffer(-(radius + contour_gap) * margin, quad_segs=ARC_SEGMENTS)
-    reach = (radius + obstacle_gap) * margin
+    region = Polygon(contour).buffer(-(radius + contour_gap) * (1.0 + BUFFER_ERROR), quad_segs=ARC_SEGMENTS)
+    reach = (radius + obstacle_gap) * (1.0 + BUFFER_ERROR)
     for outline in obstacles:
         obstacle = Polygon(outline)
         if obstacle.distance(region) < reach:

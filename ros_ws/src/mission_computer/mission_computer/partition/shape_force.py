@@ -34,7 +34,7 @@ class ShapeForce:
         first = self._starts - points @ self._tangents.T
         heights = self._heights - points @ self._normals.T
         last = first + self._lengths
-        nearness = 1.0 / np.maximum(np.hypot(heights, first), HEIGHT_MIN)  # 1 / rho_1 of each edge
+        nearness = 1.0 / np.maximum(np.sqrt(heights * heights + first * first), HEIGHT_MIN)  # 1 / rho_1 of each edge
         following = np.concatenate([nearness[:, 1:], nearness[:, :1]], axis=1)  # an edge ends where the next begins
         floored = np.copysign(np.maximum(np.abs(heights), HEIGHT_MIN), heights)
         across = (first * nearness - last * following) / floored

@@ -76,13 +76,14 @@ class Consensus:
         """Ask one neighbor for what it holds and this robot lacks, if there is such a neighbor."""
         if tick - self._asked_at < self._repair_period:
             return
-        ahead = [n for n, presence in mesh.neighbors.items() if presence.epoch > self.book.epoch]
-        if not ahead and tick - self._changed_at >= self._repair_after:
-            ahead = [
-                n
-                for n, presence in mesh.neighbors.items()
-                if presence.robot_type and presence.epoch == self.book.epoch and presence.digest != self.book.digest
-            ]
+        at_rest = tick - self._changed_at >= self._repair_after
+        epoch, digest = self.book.epoch, self.book.digest
+        ahead = [
+            neighbor
+            for neighbor, its in mesh.neighbors.items()
+            if its.digest != digest or its.epoch != epoch
+            if its.epoch > epoch or (at_rest and its.epoch == epoch and its.robot_type)
+        ]
         if ahead:
             # Another neighbor each time: one that cannot help must not be asked forever.
             neighbor = ahead[(tick // self._repair_period + self._robot) % len(ahead)]

@@ -63,6 +63,7 @@ class GoalSeeking:
         self._epoch = 0
         self._epoch_since = 0
         self._members: frozenset[NodeId] = frozenset()
+        self._members_at = -1  # digest of the rows that the members were read from
         self._offered_from: FloatArray | None = None  # position at which the own row was computed
         self._decided_on: tuple[int, int, bool] | None = (
             None  # epoch, digest, patience over: what the goal follows from
@@ -79,8 +80,9 @@ class GoalSeeking:
         if plan.epoch != self._epoch:
             self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
             self._offered_from = None
-            self._members = frozenset()
-        self._offer_if_needed(tick, plan, position)
+            self._members, self._members_at = frozenset(), -1
+        if self._offered_from is None or self._consensus.book.digest != self._members_at:
+            self._offer_if_needed(tick, plan, position)
         self._decide(tick, plan)
         if self._goal < 0:
             return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
@@ -88,15 +90,15 @@ class GoalSeeking:
 
     def _offer_if_needed(self, tick: int, plan: Plan, position: FloatArray) -> None:
         """Send a cost row for a new plan, and a fresh one for newcomers if the robot has moved since the last."""
-        rows = self._consensus.book.of_type(self._type.type)
-        members = frozenset(row.robot for row in rows)
+        book = self._consensus.book
+        members = frozenset(row.robot for row in book.of_type(self._type.type))
         joined = members - self._members - {self._robot}
-        self._members = self._members | members
+        self._members, self._members_at = members, book.digest
         if self._offered_from is not None:
             moved = float(np.hypot(*(position - self._offered_from)))
             if not joined or moved < self._config.refresh_distance_m:
                 return
-        self._offered_from = position
+        self._offered_from = position.copy()
         self._consensus.offer(tick, self._costs(plan, position), self._mesh)
 
     def _costs(self, plan: Plan, position: FloatArray) -> IntArray:

@@ -59,7 +59,8 @@ class Walls:
         here = origin @ self._normals - self._offsets
         crossed = ((ways @ self._normals + here) > 0.0) != (here > 0.0)
         crossed &= left_of_way[:, 1:] != left_of_way[:, :-1]
-        return ~crossed.any(axis=1)
+        clear: NDArray[np.bool_] = ~crossed.any(axis=1)
+        return clear
 
     def is_clear(self, origin: FloatArray, end: FloatArray) -> bool:
         """Return whether one segment crosses no wall; `origin` must be outside of the solid."""

@@ -35,12 +35,17 @@ class VisibilityGraph:
         self._before, self._after = (np.ascontiguousarray(np.stack((-e[:, 1], e[:, 0]))) for e in (before, after))
 
     def tangent_nodes(self, point: FloatArray) -> IntArray:
-        """Return the nodes at which a line from `point` touches, not cuts, the ring around the node (unsorted by sight).
+        """Return the nodes at which a line from `point` touches the obstacle there and does not cut it.
 
         Parameters
         ----------
         point : (2,) array
             Free position [m].
+
+        Returns
+        -------
+        (k,) int array
+            Row numbers of `nodes`, ascending. Whether the line is free is another question.
         """
         x, y = (self.nodes - point).T
         side = (self._before[0] * x + self._before[1] * y) * (self._after[0] * x + self._after[1] * y)

@@ -12,7 +12,11 @@ class NetworkConfig(Config):
     """Timing and bounds of neighbour discovery, DSDV routing and packet delivery (spec section 5.3)."""
 
     full_dump_period_s: float = setting(
-        3.0, "time between advertisements of the whole route table (spec 5.3, rule 2)", unit="s", above=0.0, maximum=60.0
+        3.0,
+        "time between advertisements of the whole route table (spec 5.3, rule 2)",
+        unit="s",
+        above=0.0,
+        maximum=60.0,
     )
     missed_adverts: int = setting(
         3, "a neighbour is gone after this many ticks without a hello (spec 5.3, rule 2)", minimum=1, maximum=100
@@ -39,7 +43,11 @@ class NetworkConfig(Config):
         1.0, "repeat a routed packet that is not acknowledged within this time", unit="s", above=0.0, maximum=60.0
     )
     hold_time_s: float = setting(
-        8.0, "how long a packet waits for a route to be repaired before it is dropped", unit="s", minimum=0.0, maximum=600.0
+        8.0,
+        "how long a packet waits for a route to be repaired before it is dropped",
+        unit="s",
+        minimum=0.0,
+        maximum=600.0,
     )
     flood_redundancy: int = setting(
         2,
@@ -50,4 +58,6 @@ class NetworkConfig(Config):
     seen_packets: int = setting(
         4096, "packets remembered to tell duplicates, the oldest forgotten first", minimum=16, maximum=1000000
     )
-    queue_packets: int = setting(256, "packets that wait for transmission, the oldest dropped first", minimum=1, maximum=100000)
+    queue_packets: int = setting(
+        256, "packets that wait for transmission, the oldest dropped first", minimum=1, maximum=100000
+    )

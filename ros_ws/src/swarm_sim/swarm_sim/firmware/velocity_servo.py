@@ -18,10 +18,12 @@ from swarm_sim.firmware.servo_gains import ServoGains
 HEADING_FREQUENCY = 11.9
 """Natural frequency of the heading loop [rad/s], that of the recommended velocity loop."""
 HEADING_DAMPING = 0.707
-HEADING_ACCELERATION_MAX = 20.0
-"""Largest angular acceleration [rad/s^2]; a 1 rad/s turn starts within 0.1 s."""
+HEADING_ACCELERATION_MAX = 60.0
+"""Largest angular acceleration [rad/s^2]: half of what the drive force can do at the rim of the smallest type."""
 HEADING_ERROR_MAX = 0.5
-"""How far the heading reference may run ahead of the heading [rad] (anti-windup)."""
+"""Largest heading error that is acted on [rad], and how far a turn's reference may run ahead (anti-windup)."""
+HEADING_TOLERANCE = 2e-3
+"""Heading error [rad] that a robot with no turn commanded lets be; a tenth of a degree."""
 
 
 class VelocityServo:
@@ -113,12 +115,17 @@ class HeadingServo:
         (n,) array
             Angular acceleration [rad/s^2].
         """
-        ahead = wrap_angle(self._reference + self._step_s * rates - yaws)
-        ahead = np.clip(ahead, -HEADING_ERROR_MAX, HEADING_ERROR_MAX)
-        self._reference = yaws + ahead
+        is_turning = rates != 0.0
+        error = wrap_angle(self._reference + self._step_s * rates - yaws)
+        ahead = np.minimum(np.maximum(error, -HEADING_ERROR_MAX), HEADING_ERROR_MAX)
+        # A robot that is pushed around while it holds its heading remembers where to turn back to.
+        self._reference = np.where(is_turning, yaws + ahead, self._reference)
         damping = 2.0 * HEADING_DAMPING * HEADING_FREQUENCY
         acceleration = HEADING_FREQUENCY**2 * ahead + damping * (rates - yaw_rates)
-        return np.clip(acceleration, -HEADING_ACCELERATION_MAX, HEADING_ACCELERATION_MAX)
+        # Without a dead band the motors would answer every bump of the ground.
+        acceleration[(np.abs(acceleration) < HEADING_FREQUENCY**2 * HEADING_TOLERANCE) & ~is_turning] = 0.0
+        bounded: FloatArray = np.minimum(np.maximum(acceleration, -HEADING_ACCELERATION_MAX), HEADING_ACCELERATION_MAX)
+        return bounded
 
 
 def wrap_angle(angles: FloatArray) -> FloatArray:

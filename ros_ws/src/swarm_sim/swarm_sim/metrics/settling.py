@@ -1,4 +1,4 @@
-"""When did the swarm come to rest inside the shape (thesis eq. (4.1), spec section 14.4)?"""
+"""When the swarm came to rest inside the shape (thesis eq. (4.1), spec section 14.4)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def settled_samples(
     speed_max : float
         Robots at this speed or above it move [m/s].
     """
-    settled = (np.hypot(velocities[..., 0], velocities[..., 1]) < speed_max).all(axis=1)
+    settled: np.ndarray = np.all(np.hypot(velocities[..., 0], velocities[..., 1]) < speed_max, axis=1)
     slow = np.flatnonzero(settled)
     settled[slow] = shapely.contains_xy(contour, positions[slow, :, 0], positions[slow, :, 1]).all(axis=1)
     return settled
@@ -83,4 +83,6 @@ def settling(  # noqa: PLR0913 - two thresholds of spec 14.4 beside the record
     is_held = first < len(times) and times[-1] - times[first] >= hold - 1e-9
     inside = shapely.contains_xy(polygon, positions[-1, :, 0], positions[-1, :, 1])
     speeds = np.linalg.norm(velocities[-1], axis=1)
-    return Settling(float(times[first]) if is_held else None, float(inside.mean()), float(np.percentile(speeds, QUANTILE)))
+    return Settling(
+        float(times[first]) if is_held else None, float(inside.mean()), float(np.percentile(speeds, QUANTILE))
+    )

@@ -9,6 +9,7 @@ import numpy as np
 
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+from swarm_sim.metrics.totals import RunTotals, run_totals
 from swarm_sim.simulation import TickTruth
 
 NOTHING = -1
@@ -96,6 +97,10 @@ class TraceRecorder:
         self._estimates.append(estimates)
         self._modes.append(modes)
         self._goals.append(goals)
+
+    def totals(self) -> RunTotals:
+        """Return the sums over everything recorded so far."""
+        return run_totals(self._truths)
 
     def trace(self) -> Trace:
         """Return everything recorded so far; empty axes before the first tick."""

@@ -73,7 +73,11 @@ class MassDamperWorld:
             self._step_through(rest, wanted, samples, speeds, errors)
         self._servo.error = errors
         end = BodyState(
-            frozen(samples[-1]), start.heights, frozen(wrap_angle(yaw_path[-1])), frozen(speeds[-1]), frozen(rate_path[-1])
+            frozen(samples[-1]),
+            start.heights,
+            frozen(wrap_angle(yaw_path[-1])),
+            frozen(speeds[-1]),
+            frozen(rate_path[-1]),
         )
         self._state = end
         return motion_between(start, end, samples, speeds, self._grid.period_s)

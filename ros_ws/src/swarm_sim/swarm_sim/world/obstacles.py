@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Polygon, constrained_delaunay_triangles
+from shapely import Polygon, constrained_delaunay_triangles, union
 from shapely.geometry.polygon import orient
-from shapely.ops import unary_union
 
 from swarm_msgs_py.types import FloatArray, IntArray
 
 BoolArray = NDArray[np.bool_]
 
-SEAM = 1e-9
-"""Points nearer than this to a corner count as the corner [m]."""
+CONVEX_SLACK = 1e-9
+"""Share of its hull's area that a polygon may lack and still count as convex: rounding only."""
 
 
 class ObstacleField:
@@ -98,7 +98,7 @@ class ObstacleField:
             seen = (on_face | on_corner) & ((away**2).sum(axis=-1) <= reach**2)
             row, edge = np.nonzero(seen)
             rows.append(observers[row])
-            spots.append((starts + share[row][np.arange(len(row)), :, None] * along)[np.arange(len(row)), edge])
+            spots.append(starts[edge] + share[row, edge, None] * along[edge])
         if not rows:
             return np.empty(0, dtype=np.int64), np.empty((0, 2))
         observers, surface = np.concatenate(rows), np.concatenate(spots)
@@ -110,11 +110,11 @@ class ObstacleField:
 
         Both ends are taken to be outside; so a segment that touches no boundary is free.
         """
-        blocked = np.zeros(len(starts), dtype=np.bool_)
+        blocked: BoolArray = np.zeros(len(starts), dtype=np.bool_)
         low, high = np.minimum(starts, ends), np.maximum(starts, ends)
         overlaps = ((low[:, None] <= self._high) & (high[:, None] >= self._low)).all(axis=-1)
         for obstacle in np.flatnonzero(overlaps.any(axis=0)):
-            rows = np.flatnonzero(overlaps[:, obstacle] & ~blocked)
+            rows: IntArray = np.flatnonzero(overlaps[:, obstacle] & ~blocked)
             edges, along, _ = self._edges_of(int(obstacle))
             blocked[rows] = _any_crossing(starts[rows], ends[rows], edges, along)
         return blocked
@@ -133,8 +133,12 @@ def _any_crossing(starts: FloatArray, ends: FloatArray, edges: FloatArray, along
     side = ray[..., 0] * offset[..., 1] - ray[..., 1] * offset[..., 0]
     turn = ray[..., 0] * along[:, 1] - ray[..., 1] * along[:, 0]
     place = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0]
-    crossing: BoolArray = ((side * (side + turn) <= 0.0) & (place * (place + (-turn) * -1.0 - turn) <= 0.0)).any(axis=1)
-    return crossing
+    meets: BoolArray = (side * (side + turn) <= 0.0) & (place * (place + turn) <= 0.0)
+    # On one line all four sides are zero; then only overlapping boxes make a contact.
+    low, high = np.minimum(edges, edges + along), np.maximum(edges, edges + along)
+    meets &= (np.minimum(starts, ends)[:, None] <= high).all(axis=-1)
+    meets &= (np.maximum(starts, ends)[:, None] >= low).all(axis=-1)
+    return np.asarray(meets.any(axis=1))
 
 
 def convex_pieces(polygon: FloatArray) -> tuple[FloatArray, ...]:
@@ -143,19 +147,21 @@ def convex_pieces(polygon: FloatArray) -> tuple[FloatArray, ...]:
     Triangles of the constrained Delaunay triangulation are merged greedily while the union stays convex; the order of
     the pieces depends on nothing but the corners.
     """
-    pieces = [triangle for triangle in constrained_delaunay_triangles(Polygon(polygon)).geoms]
-    pieces.sort(key=lambda piece: (piece.centroid.x, piece.centroid.y))
-    merged = True
-    while merged:
-        merged = False
-        for i in range(len(pieces)):
-            for j in range(i + 1, len(pieces)):
-                union = unary_union([pieces[i], pieces[j]])
-                if union.geom_type == "Polygon" and union.convex_hull.area - union.area <= SEAM * union.area:
-                    pieces[i] = union.convex_hull
-                    del pieces[j]
-                    merged = True
-                    break
-            if merged:
-                break
+    pieces = sorted(constrained_delaunay_triangles(Polygon(polygon)).geoms, key=lambda piece: piece.centroid.coords[0])
+    pair = _convex_pair(pieces)
+    while pair is not None:
+        i, j, joined = pair
+        pieces[i] = joined
+        del pieces[j]
+        pair = _convex_pair(pieces)
     return tuple(np.array(orient(piece).exterior.coords)[:-1] for piece in pieces)
+
+
+def _convex_pair(pieces: list[Polygon]) -> tuple[int, int, Polygon] | None:
+    """Return the first two pieces, i < j, whose union is convex, and that union."""
+    for i, j in combinations(range(len(pieces)), 2):
+        joined = union(pieces[i], pieces[j])
+        hull = joined.convex_hull
+        if joined.geom_type == "Polygon" and hull.area - joined.area <= CONVEX_SLACK * hull.area:
+            return i, j, hull
+    return None

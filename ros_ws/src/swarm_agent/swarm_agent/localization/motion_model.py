@@ -1,0 +1,102 @@
+"""How a robot moves between two ticks, as its filter sees it: measured acceleration, integrated twice.
+
+The state is [X, Xdot, Y, Ydot, bx, by]: that of the thesis, eq. (3.28), and the bias of the accelerometer in the body
+frame. The bias is a constant that nobody knows; its variance is not a noise. Added to Q it would be far too small
+after a minute (errors of a constant add up, those of a noise partly cancel) and too large in the first second. As a
+state its effect is exact, and fixes reveal it, so that a robot that loses its fixes later drifts less.
+
+The axes are not filtered apart, although they would be independent here: ranges to beacons correlate them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarm_agent.localization.kalman import Gaussian
+from swarm_msgs_py.types import FloatArray
+
+STATES = 6
+POSITION = slice(0, 4, 2)
+VELOCITY = slice(1, 4, 2)
+BIAS = slice(4, 6)
+OBSERVE_POSITION: FloatArray = np.eye(STATES)[POSITION]
+"""H of a position fix, (2, 6)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """One step of the model, as `kalman.predict` takes it: F (6, 6), B u (6,), Q (6, 6)."""
+
+    transition: FloatArray
+    drive: FloatArray
+    noise: FloatArray
+
+
+class MotionModel:
+    """Twice integrated acceleration with noise and constant bias.
+
+    Parameters
+    ----------
+    period : float
+        Between two steps [s].
+    acceleration_sigma : float
+        Standard deviation of a measured mean acceleration, per axis [m/s^2].
+    yaw_sigma : float
+        Standard deviation of the heading that turns it into the world frame [rad].
+    """
+
+    def __init__(self, period: float, acceleration_sigma: float, yaw_sigma: float) -> None:
+        self._variance, self._yaw_variance = acceleration_sigma**2, yaw_sigma**2
+        axis = np.array([period**2 / 2.0, period])
+        coast = np.eye(STATES)
+        coast[0, 1] = coast[2, 3] = period
+        self._coast = coast
+        # What a body acceleration adds to the state, for the cosine and the sine of the yaw: B R(yaw).
+        self._cosine, self._sine = np.zeros((STATES, 2)), np.zeros((STATES, 2))
+        self._cosine[0:2, 0] = self._cosine[2:4, 1] = self._sine[2:4, 0] = axis
+        self._sine[0:2, 1] = -axis
+        # B B^T. The noise of one mean acceleration moves position and velocity together; the diagonal Q of thesis
+        # eq. (3.43) denies that, and its units do not fit (erratum E10).
+        self._unit_noise = np.zeros((STATES, STATES))
+        self._unit_noise[0:2, 0:2] = self._unit_noise[2:4, 2:4] = np.outer(axis, axis)
+
+    def step(self, acceleration_body: FloatArray, yaw: float) -> Step:
+        """Return the step over one period.
+
+        Parameters
+        ----------
+        acceleration_body : (2,) array
+            Measured *mean* over the period, body frame [m/s^2]; a point sample misses transients (erratum E12).
+        yaw : float
+            Heading that belongs to the body frame of the measurement [rad].
+        """
+        push = math.cos(yaw) * self._cosine + math.sin(yaw) * self._sine
+        transition = self._coast.copy()
+        transition[:, BIAS] -= push
+        forward, left = acceleration_body.tolist()
+        # A wrong heading turns the acceleration sideways by |a| times the error; counted on both axes, to be safe.
+        variance = self._variance + self._yaw_variance * (forward * forward + left * left)
+        return Step(transition, push @ acceleration_body, variance * self._unit_noise)
+
+
+def belief_at(position: FloatArray, sigma: float, speed_sigma: float, bias_max: float) -> Gaussian:
+    """Return the belief of a robot at rest whose position was just measured.
+
+    Parameters
+    ----------
+    position : (2,) array
+        Measured [m].
+    sigma, speed_sigma : float
+        Standard deviation per axis of the position [m] and of the velocity [m/s].
+    bias_max : float
+        Bound of the accelerometer's bias, per axis [m/s^2]; the bias is uniform within, so its variance is a third of
+        the square.
+    """
+    mean = np.zeros(STATES)
+    mean[POSITION] = position
+    variances = np.empty(STATES)
+    variances[POSITION], variances[VELOCITY], variances[BIAS] = sigma**2, speed_sigma**2, bias_max**2 / 3.0
+    return Gaussian(mean, np.diag(variances))

@@ -1,0 +1,286 @@
+"""Delivery of packets over the mesh: flooding and routed unicast on top of neighbours and DSDV routes.
+
+A radio says one hello per tick. A *flooded* packet is transmitted once by its origin and relayed at most once by every
+other radio. A radio whose neighbours must all have heard the transmission that it heard itself need not relay
+(self-pruning, Lim and Kim 2001); a few do so all the same, against loss. A *routed* packet goes hop by hop, from radio
+to radio, each of which acknowledges it to the previous one; one that hears no acknowledgement transmits again, over
+another feasible successor if there is one. A packet whose route is broken waits for a while for its repair.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from operator import itemgetter
+
+import numpy as np
+
+from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.frames import decode_frame, encode_frame
+from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Hello, Packet, Presence, RadioCounters
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.networking.dsdv import Route, RouteTable
+from swarm_msgs_py.networking.labels import Advert, advert_of
+from swarm_msgs_py.networking.neighbors import NeighborTable
+from swarm_msgs_py.networking.outbox import Outbox
+from swarm_msgs_py.types import EVERYONE, NodeId
+
+_NUMBERS_PER_TICK = 16
+"""Packet numbers of a node that starts late begin beyond those of an earlier life of it."""
+
+
+class MeshNetwork:
+    """The radio network as one node sees it.
+
+    Each tick: `receive` first, then any number of `flood` and `send`, and `transmit` last.
+
+    Parameters
+    ----------
+    node : NodeId
+        Address of this radio.
+    config : NetworkConfig
+    period_s : float
+        Length of a tick [s].
+    """
+
+    def __init__(self, node: NodeId, config: NetworkConfig, period_s: float) -> None:
+        self._node = node
+        self._config = config
+        self._neighbor_table = NeighborTable(config.missed_adverts)
+        self._routes = RouteTable(node, config, period_s)
+        self._outbox = Outbox(config, period_s)
+        self._silence = config.missed_adverts + 2 + round(config.delay_max_s / period_s)
+        self._speaks_from: int | None = None
+        self._tick = 0
+        self._frame_number = 0
+        self._packet_number = 0
+        self._seen: dict[Hashable, None] = {}  # in order of arrival
+        self._to_flood: deque[Packet] = deque(maxlen=config.queue_packets)
+        self._to_acknowledge: list[tuple[NodeId, NodeId, int]] = []
+        self._to_self: list[Delivery] = []
+        self._sent = [0, 0]
+        self._heard = [0, 0]
+        self._corrupt = self._duplicates = self._expired = 0
+
+    @property
+    def neighbors(self) -> Mapping[NodeId, Presence]:
+        """Latest presence of each current neighbour, by ascending id; a live, read-only view."""
+        return self._neighbor_table.presences
+
+    @property
+    def reachable(self) -> tuple[NodeId, ...]:
+        """Nodes to which there is a route, ascending."""
+        return self._routes.reachable
+
+    @property
+    def counters(self) -> RadioCounters:
+        """Totals since the start."""
+        return RadioCounters(
+            frames_sent=self._sent[0],
+            bytes_sent=self._sent[1],
+            frames_heard=self._heard[0],
+            bytes_heard=self._heard[1],
+            corrupt=self._corrupt,
+            duplicates=self._duplicates,
+            expired=self._expired,
+            unroutable=self._outbox.dropped,
+        )
+
+    def route(self, destination: NodeId) -> Route | None:
+        """Return the route to `destination`; None when there is none, not even a broken one."""
+        return self._routes.route(destination)
+
+    def next_hops(self, destination: NodeId) -> list[NodeId]:
+        """Return the neighbours that may carry a packet to `destination` without ever leading it in a circle.
+
+        Best first: those heard in this tick, then fewest hops.
+        """
+        successors = self._routes.successors(destination)
+        fresh = [neighbor for _, neighbor in successors if self._neighbor_table.is_fresh(neighbor, self._tick)]
+        return fresh + [neighbor for _, neighbor in successors if neighbor not in fresh]
+
+    def receive(self, tick: int, frames: Sequence[bytes]) -> tuple[Delivery, ...]:
+        """Take in the frames that the radio heard, and return what was for this node.
+
+        Parameters
+        ----------
+        tick : int
+        frames : sequence of bytes
+            In order of reception; anything that is not a frame is counted and dropped.
+        """
+        self._begin(tick)
+        self._heard[0] += len(frames)
+        self._heard[1] += sum(map(len, frames))
+        listening = self._is_listening()
+        adverts: list[tuple[NodeId, Advert]] = []
+        packets: list[Packet] = []
+        for data in frames:
+            try:
+                frame, advert = _understood(data, self._config.hop_limit)
+            except FrameError:
+                self._corrupt += 1
+                continue
+            if frame.source == self._node:
+                continue
+            if isinstance(frame, Hello):
+                if listening and advert is not None:
+                    self._neighbor_table.hear(tick, frame)
+                    adverts.append((frame.source, advert))
+            elif isinstance(frame, Packet):
+                packets.append(frame)
+            else:
+                self._outbox.acknowledge(self._node, frame)
+        self._update_routes(tick, adverts)
+        deliveries, self._to_self = self._to_self, []
+        for packet in packets:
+            self._take(packet, deliveries)
+        return tuple(deliveries)
+
+    def flood(self, body: bytes) -> None:
+        """Send `body` to every node that can be reached, without acknowledgement."""
+        packet = self._packet(EVERYONE, EVERYONE, body)
+        self._remember((packet.origin, packet.number))
+        self._to_flood.append(packet)
+
+    def send(self, destination: NodeId, body: bytes) -> bool:
+        """Send `body` to one node; return False, and send nothing, when there is no route to it.
+
+        A route that broke lately counts as one: the packet waits for its repair.
+        """
+        if destination == self._node:
+            self._to_self.append(Delivery(self._node, body))
+            return True
+        if self._routes.route(destination) is None:
+            return False
+        self._outbox.put(self._tick, self._packet(EVERYONE, destination, body))
+        return True
+
+    def transmit(self, tick: int, presence: Presence) -> tuple[bytes, ...]:
+        """Return the frames to transmit in this tick: a hello, then acknowledgements, floods and routed packets.
+
+        Raises
+        ------
+        FrameError
+            If `presence` does not fit a frame, e.g. a position that is not finite.
+        """
+        self._begin(tick)
+        frames = []
+        if self._is_listening():
+            rows = self._routes.advertise(tick)
+            frames.append(encode_frame(Hello(self._node, self._next_frame(), presence, rows)))
+        if self._to_acknowledge:
+            arrived = tuple(dict.fromkeys(self._to_acknowledge))
+            frames.append(encode_frame(Acknowledgement(self._node, self._next_frame(), arrived)))
+            self._to_acknowledge.clear()
+        while self._to_flood:
+            frames.append(self._encode(self._to_flood.popleft(), EVERYONE))
+        for packet, next_hop in self._outbox.due(tick, self.next_hops):
+            frames.append(self._encode(packet, next_hop))
+        self._sent[0] += len(frames)
+        self._sent[1] += sum(map(len, frames))
+        return tuple(frames)
+
+    # -- one tick ------------------------------------------------------------------------------------------------------
+
+    def _begin(self, tick: int) -> None:
+        """Start the node's life at its first tick.
+
+        Who starts at tick 0 has no earlier life. Who starts later may have had one: others may still route through it,
+        on what it knew then. It keeps silent, and learns nothing, until they must have noticed (see `dsdv`).
+        """
+        self._tick = tick
+        if self._speaks_from is None:
+            self._speaks_from = tick + self._silence if tick > 0 else 0
+            self._packet_number += tick * _NUMBERS_PER_TICK & 0xFFFF
+
+    def _is_listening(self) -> bool:
+        return self._speaks_from is not None and self._tick >= self._speaks_from
+
+    def _update_routes(self, tick: int, adverts: list[tuple[NodeId, Advert]]) -> None:
+        self._routes.lose(tick, self._neighbor_table.expire(tick))
+        while adverts:  # one advert per neighbour at a time; a second one in a tick was delayed on the air
+            batch, later = dict[NodeId, Advert](), []
+            for source, advert in adverts:
+                if batch.setdefault(source, advert) is not advert:
+                    later.append((source, advert))
+            self._routes.merge(tick, sorted(batch.items(), key=itemgetter(0)))
+            adverts = later
+        self._routes.expire(tick)
+
+    def _take(self, packet: Packet, deliveries: list[Delivery]) -> None:
+        if packet.destination == EVERYONE:
+            self._take_flood(packet, deliveries)
+        elif packet.next_hop == self._node and self._is_listening():
+            self._take_routed(packet, deliveries)
+
+    def _take_flood(self, packet: Packet, deliveries: list[Delivery]) -> None:
+        if packet.origin == self._node or not self._remember((packet.origin, packet.number)):
+            self._duplicates += 1
+            return
+        deliveries.append(Delivery(packet.origin, packet.body))
+        if packet.hops_left <= 1:
+            self._expired += 1
+        elif self._must_relay(packet):
+            self._to_flood.append(replace(packet, hops_left=packet.hops_left - 1))
+
+    def _take_routed(self, packet: Packet, deliveries: list[Delivery]) -> None:
+        self._to_acknowledge.append((packet.source, packet.origin, packet.number))
+        if packet.destination == self._node:
+            if self._remember((packet.origin, packet.number)):
+                deliveries.append(Delivery(packet.origin, packet.body))
+            else:
+                self._duplicates += 1
+        elif not self._remember((packet.origin, packet.number, packet.source, packet.hops_left)):
+            self._duplicates += 1  # transmitted again because the acknowledgement was lost
+        elif packet.hops_left <= 1:
+            self._expired += 1
+        else:
+            self._routes.repeat(self._tick, packet.destination)
+            self._outbox.put(self._tick, replace(packet, hops_left=packet.hops_left - 1))
+
+    def _must_relay(self, packet: Packet) -> bool:
+        """Return whether some neighbour may miss a flooded packet unless this radio relays it.
+
+        The transmitter's adverts tell whom it hears. When that covers all neighbours, only the `flood_redundancy` first
+        of the covered radios relay, in an order that differs from packet to packet.
+        """
+        others = np.array([n for n in self.neighbors if n not in (packet.source, packet.origin)], dtype=np.int64)
+        if packet.source not in self.neighbors:
+            return True
+        if not self._routes.covers(packet.source, others).all():
+            return True
+        salt = packet.origin * 7919 + packet.number * 104729
+        ranks = (np.append(others, self._node) * 40503 + salt) * 2654435761 & 0xFFFFFFFF
+        return bool((ranks[:-1] < ranks[-1]).sum() < self._config.flood_redundancy)
+
+    # -- small parts ---------------------------------------------------------------------------------------------------
+
+    def _remember(self, name: Hashable) -> bool:
+        """Return whether `name` is new, and remember it."""
+        if name in self._seen:
+            return False
+        self._seen[name] = None
+        if len(self._seen) > self._config.seen_packets:
+            del self._seen[next(iter(self._seen))]
+        return True
+
+    def _packet(self, next_hop: NodeId, destination: NodeId, body: bytes) -> Packet:
+        self._packet_number = (self._packet_number + 1) & 0xFFFF
+        ends = self._node, destination, self._packet_number
+        return Packet(self._node, 0, next_hop, *ends, self._config.hop_limit, body)
+
+    def _encode(self, packet: Packet, next_hop: NodeId) -> bytes:
+        return encode_frame(replace(packet, source=self._node, sequence=self._next_frame(), next_hop=next_hop))
+
+    def _next_frame(self) -> int:
+        self._frame_number = (self._frame_number + 1) & 0xFFFF
+        return self._frame_number
+
+
+@lru_cache(maxsize=8192)
+def _understood(data: bytes, hop_limit: int) -> tuple[Hello | Packet | Acknowledgement, Advert | None]:
+    """Return a frame and, for a hello, its rows as labels; memoised, because many radios hear the same bytes."""
+    frame = decode_frame(data)
+    return frame, advert_of(frame.routes, hop_limit) if isinstance(frame, Hello) else None

@@ -1,0 +1,84 @@
+"""Routed packets on their way: repeated until the next hop acknowledges them, held while there is no route."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from swarm_msgs_py.messages.radio import Acknowledgement, Packet
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.types import NodeId
+
+
+@dataclass(slots=True, eq=False)
+class _Pending:
+    packet: Packet
+    since: int
+    next_attempt: int
+    tried: list[NodeId] = field(default_factory=list)
+
+
+class Outbox:
+    """Routed packets of one radio that no next hop has acknowledged yet.
+
+    Parameters
+    ----------
+    config : NetworkConfig
+    period_s : float
+        Length of a tick [s].
+    """
+
+    def __init__(self, config: NetworkConfig, period_s: float) -> None:
+        self._capacity = config.queue_packets
+        self._attempts = config.attempts
+        self._patience = max(2, round(config.acknowledge_time_s / period_s))  # out and back takes two ticks
+        self._hold = round(config.hold_time_s / period_s)
+        self._pending: list[_Pending] = []
+        self.dropped = 0
+        """Packets given up: no route for too long, no acknowledgement, or too many waiting."""
+
+    def put(self, tick: int, packet: Packet) -> None:
+        """Take over a packet; when too many wait, the oldest is dropped."""
+        self._pending.append(_Pending(packet, tick, tick))
+        if len(self._pending) > self._capacity:
+            del self._pending[0]
+            self.dropped += 1
+
+    def acknowledge(self, node: NodeId, frame: Acknowledgement) -> None:
+        """Forget the packets that a neighbour acknowledges to `node`."""
+        if not self._pending:
+            return
+        arrived = {(origin, number) for transmitter, origin, number in frame.packets if transmitter == node}
+        if arrived:
+            self._pending = [
+                entry
+                for entry in self._pending
+                if (entry.packet.origin, entry.packet.number) not in arrived or frame.source not in entry.tried
+            ]
+
+    def due(self, tick: int, successors: Callable[[NodeId], list[NodeId]]) -> list[tuple[Packet, NodeId]]:
+        """Return the packets to transmit now, each with its next hop.
+
+        Parameters
+        ----------
+        tick : int
+        successors : callable
+            Possible next hops to a destination, best first.
+        """
+        if not self._pending:
+            return []
+        ready, kept = [], []
+        for entry in self._pending:
+            if tick >= entry.next_attempt:
+                choices = successors(entry.packet.destination)
+                if len(entry.tried) >= self._attempts or (not choices and tick - entry.since >= self._hold):
+                    self.dropped += 1
+                    continue
+                if choices:
+                    next_hop = min(choices, key=entry.tried.count)  # the best of those tried least
+                    entry.tried.append(next_hop)
+                    entry.next_attempt = tick + self._patience
+                    ready.append((entry.packet, next_hop))
+            kept.append(entry)
+        self._pending = kept
+        return ready

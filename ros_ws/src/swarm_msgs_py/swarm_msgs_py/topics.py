@@ -1,0 +1,128 @@
+"""The channel table: every topic of the system with its type, direction and kind of delivery, stated once.
+
+Nodes make publishers and subscriptions from these rows (`ros.channels`); a test compares the rows with the live graph.
+Nothing here needs ROS.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from swarm_msgs_py.types import MISSION, NodeId, robot_name
+
+
+class Party(Enum):
+    """Who speaks or listens on a channel."""
+
+    WORLD = "world"
+    AGENT = "agent"
+    MISSION = "mission computer"
+    OPERATOR = "operator"
+    VIEWERS = "viewers"
+    EVERYONE = "everyone"
+
+
+class Delivery(Enum):
+    """What a channel promises."""
+
+    EVERY_MESSAGE = "every message arrives, in order; the lockstep rests on it"
+    NEWEST = "the newest few messages; losing an old one does no harm"
+    LATCHED = "the last message also reaches those who come later"
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One topic, or one topic per node.
+
+    Attributes
+    ----------
+    template : str
+        Absolute name; ``{node}`` stands for the name of a robot or ``mission``.
+    message : str
+        Type of the messages, as ``ros2 topic info`` prints it.
+    source, sink : Party
+    delivery : Delivery
+    """
+
+    template: str
+    message: str
+    source: Party
+    sink: Party
+    delivery: Delivery
+
+    @property
+    def is_per_node(self) -> bool:
+        """Whether each node has a topic of its own."""
+        return "{node}" in self.template
+
+    def topic(self, node: NodeId | None = None) -> str:
+        """Return the absolute name of the topic, of one node where each has its own.
+
+        Raises
+        ------
+        ValueError
+            If the channel is per node and no node is given, or the reverse.
+        """
+        if self.is_per_node != (node is not None):
+            raise ValueError(f"{self.template}: {'name a node' if self.is_per_node else 'there is only one topic'}")
+        return self.template if node is None else self.template.format(node=namespace_of(node))
+
+
+def namespace_of(node: NodeId) -> str:
+    """Return the namespace of a node: ``r07``, or ``mission``."""
+    return "mission" if node == MISSION else robot_name(node)
+
+
+_EVERY, _NEWEST, _LATCHED = Delivery.EVERY_MESSAGE, Delivery.NEWEST, Delivery.LATCHED
+
+IMU = Channel("/{node}/imu", "sensor_msgs/msg/Imu", Party.WORLD, Party.AGENT, _EVERY)
+FIX = Channel("/{node}/fix", "geometry_msgs/msg/PoseWithCovarianceStamped", Party.WORLD, Party.AGENT, _EVERY)
+RANGES = Channel("/{node}/ranges", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
+PROXIMITY = Channel("/{node}/proximity", "geometry_msgs/msg/PoseArray", Party.WORLD, Party.AGENT, _EVERY)
+RADIO_RX = Channel("/{node}/radio/rx", "std_msgs/msg/UInt8MultiArray", Party.WORLD, Party.AGENT, _EVERY)
+RADIO_TX = Channel("/{node}/radio/tx", "std_msgs/msg/UInt8MultiArray", Party.AGENT, Party.WORLD, _EVERY)
+CMD_VEL = Channel("/{node}/cmd_vel", "geometry_msgs/msg/TwistStamped", Party.AGENT, Party.WORLD, _EVERY)
+
+ODOM = Channel("/{node}/odom", "nav_msgs/msg/Odometry", Party.AGENT, Party.VIEWERS, _NEWEST)
+PATH = Channel("/{node}/path", "nav_msgs/msg/Path", Party.AGENT, Party.VIEWERS, _NEWEST)
+STATUS = Channel("/{node}/status", "diagnostic_msgs/msg/DiagnosticArray", Party.AGENT, Party.VIEWERS, _NEWEST)
+
+SHAPE = Channel("/mission/shape", "geometry_msgs/msg/PolygonStamped", Party.OPERATOR, Party.MISSION, _EVERY)
+GOALS = Channel("/mission/goals", "geometry_msgs/msg/PoseArray", Party.MISSION, Party.VIEWERS, _LATCHED)
+MARKERS = Channel("/viz/markers", "visualization_msgs/msg/MarkerArray", Party.MISSION, Party.VIEWERS, _LATCHED)
+
+CLOCK = Channel("/clock", "rosgraph_msgs/msg/Clock", Party.WORLD, Party.EVERYONE, _NEWEST)
+TRUTH = Channel("/world/truth", "geometry_msgs/msg/PoseArray", Party.WORLD, Party.VIEWERS, _NEWEST)
+KILL_ROBOT = Channel("/world/kill_robot", "std_msgs/msg/UInt16", Party.OPERATOR, Party.WORLD, _EVERY)
+
+ROBOT_SENSORS = (IMU, FIX, RANGES, PROXIMITY, RADIO_RX)
+"""What the world sends to each robot."""
+
+ROBOT_ANSWERS = (CMD_VEL, RADIO_TX)
+"""What each robot sends to the world."""
+
+ROBOT_VIEWS = (ODOM, PATH, STATUS)
+"""What each robot shows to viewers."""
+
+ROBOT_CHANNELS = (*ROBOT_SENSORS, *ROBOT_ANSWERS, *ROBOT_VIEWS)
+"""All topics in the namespace of a robot."""
+
+MISSION_CHANNELS = (RADIO_RX, RADIO_TX)
+"""Per-node topics of the mission computer."""
+
+SINGLE_CHANNELS = (CLOCK, SHAPE, GOALS, MARKERS, TRUTH, KILL_ROBOT)
+"""Topics that exist once."""
+
+PAUSE_SERVICE = "/world/pause"
+"""``std_srvs/srv/Trigger``: hold simulated time."""
+
+RESUME_SERVICE = "/world/resume"
+"""``std_srvs/srv/Trigger``: let simulated time go on."""
+
+
+def all_topics(robots: tuple[NodeId, ...]) -> dict[str, str]:
+    """Return the type of every topic of a swarm, by name."""
+    table = {channel.topic(robot): channel.message for robot in robots for channel in ROBOT_CHANNELS}
+    table |= {channel.topic(MISSION): channel.message for channel in MISSION_CHANNELS}
+    return table | {channel.topic(): channel.message for channel in SINGLE_CHANNELS}

@@ -1,0 +1,263 @@
+"""The simulated world: true bodies in, sensor readings and radio frames out, one tick at a time."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarm_msgs_py.messages.control import VelocityCommand
+from swarm_msgs_py.step_io import AgentInputs, MissionInputs
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId, robot_name
+from swarm_sim.config import SimConfig
+from swarm_sim.radio.links import LinkModel, LinkTable
+from swarm_sim.radio.medium import Medium, RadioTraffic
+from swarm_sim.scene import RobotSpec, Scene, check_scene
+from swarm_sim.sensors.suite import SensorSuite
+from swarm_sim.world.clearance import clearance
+from swarm_sim.world.obstacles import ObstacleField
+from swarm_sim.world.registry import make_world
+
+__all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth"]
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """What every actor learns at the start of a tick.
+
+    Attributes
+    ----------
+    tick : int
+    time : float
+        Simulated time [s].
+    agents : mapping of NodeId to AgentInputs
+        Live robots, ascending.
+    mission : MissionInputs
+    """
+
+    tick: int
+    time: float
+    agents: Mapping[NodeId, AgentInputs]
+    mission: MissionInputs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TickTruth:
+    """What truly happened in the tick that just ran; rows in the order of `Simulation.robots`.
+
+    Attributes
+    ----------
+    tick : int
+    time : float
+        Of the start of the tick [s].
+    positions, velocities : (n, 2) array
+        At the start of the tick, world frame [m], [m/s].
+    yaws, heights : (n,) array
+        At the start of the tick [rad], [m].
+    alive : (n,) bool array
+        Whose electronics worked during the tick.
+    samples, sample_velocities : (m, n, 2) array
+        Evenly spread over the tick at 20 Hz or more, the last at its end [m], [m/s].
+    min_clearance : float
+        Smallest free gap between two coverage circles, or a circle and an obstacle, at the start and at the samples
+        [m]; negative where they overlap, infinite for a single robot without obstacles.
+    overlaps : tuple of (int, int)
+        Ids of robots that overlapped during the tick, ascending; obstacle k is -1 - k, after the robot.
+    radio : RadioTraffic
+    """
+
+    tick: int
+    time: float
+    positions: FloatArray
+    yaws: FloatArray
+    velocities: FloatArray
+    heights: FloatArray
+    alive: NDArray[np.bool_]
+    samples: FloatArray
+    sample_velocities: FloatArray
+    min_clearance: float
+    overlaps: tuple[tuple[int, int], ...]
+    radio: RadioTraffic
+
+
+class Simulation:
+    """The world of one run. A tick is ``observe``, ``apply``, ``advance``.
+
+    Parameters
+    ----------
+    config : SimConfig
+    scene : Scene
+    seed : int
+        Seed of the run; equal config, scene, seed and commands give equal results, byte for byte.
+
+    Raises
+    ------
+    ConfigError
+        If the scene cannot be started from, or the settings do not fit together.
+    PhysicsError
+        If the back end is not installed or refuses the scene.
+    """
+
+    def __init__(self, config: SimConfig, scene: Scene, seed: int) -> None:
+        check_scene(scene)
+        self.robots: tuple[NodeId, ...] = tuple(robot.id for robot in scene.robots)
+        self._period_s = config.period_s
+        self._row = {radio: row for row, radio in enumerate((*self.robots, MISSION))}
+        self._radii = np.array([robot.type.coverage_radius_m for robot in scene.robots])
+        self._antenna = np.array([scene.mission_position], dtype=np.float64)
+        self._obstacles = ObstacleField(scene.obstacles)
+        self._links = LinkModel(config.radio.range_m, self._obstacles)
+        self._medium = Medium(config.radio, tuple(self._row), config.period_s, seed)
+        self._sensors = SensorSuite(config, scene, self._obstacles, seed)
+        self._world = make_world(config, scene, seed)
+
+        self._tick = 0
+        self._alive = np.ones(len(self._row), dtype=np.bool_)  # robots, then the mission computer
+        self._setpoints = np.zeros((len(self.robots), 3))
+        self._patience = int(config.servo.command_timeout_s / config.period_s + 1e-9)
+        self._unanswered = np.zeros(len(self.robots), dtype=np.int64)
+        self._mean_accelerations = np.zeros((len(self.robots), 2))
+        self._traffic = RadioTraffic()
+        self._inboxes: list[tuple[bytes, ...]] = [()] * len(self._row)
+        self._link_table: LinkTable | None = None
+        self._observed: Mapping[NodeId, AgentInputs] | None = None
+        self._is_applied = False
+
+    @property
+    def tick(self) -> int:
+        """Return the number of the current tick, 0, 1, ..."""
+        return self._tick
+
+    @property
+    def time(self) -> float:
+        """Return the simulated time at the start of the current tick [s]."""
+        return self._tick * self._period_s
+
+    def observe(self, shape: FloatArray | None = None) -> Observation:
+        """Return what every actor learns in this tick; the same however often it is asked.
+
+        Parameters
+        ----------
+        shape : (k, 2) array or None
+            Contour that the operator orders in this tick [m].
+        """
+        if self._observed is None:
+            self._observed = self._sense()
+        mission = MissionInputs(self._tick, self.time, self._inboxes[-1], shape)
+        return Observation(self._tick, self.time, self._observed, mission)
+
+    def apply(self, commands: Mapping[NodeId, VelocityCommand], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
+        """Hand over what the actors answered in this tick; at most once per tick.
+
+        A live robot without an answer keeps its last command for `servo.command_timeout_s`, then it stops. What comes
+        from a dead node is ignored.
+
+        Parameters
+        ----------
+        commands : mapping of NodeId to VelocityCommand
+        outboxes : mapping of NodeId to tuple of bytes
+            Frames of robots and of `MISSION`.
+
+        Raises
+        ------
+        KeyError
+            If an address is not in the scene.
+        RuntimeError
+            If called twice in a tick.
+        """
+        if self._is_applied:
+            raise RuntimeError(f"tick {self._tick}: the answers were applied already")
+        self._is_applied = True
+        self._unanswered += 1
+        for robot, command in commands.items():
+            row = self._row[robot]
+            if self._alive[row]:
+                self._setpoints[row] = command.forward, command.left, command.yaw_rate
+                self._unanswered[row] = 0
+        for radio in outboxes:
+            self._row[radio]
+        live = {radio: frames for radio, frames in outboxes.items() if self._alive[self._row[radio]]}
+        self._traffic = self._medium.transmit(self._tick, live, self._current_links())
+
+    def advance(self) -> TickTruth:
+        """Run the bodies through one control period, and begin the next tick."""
+        if not self._is_applied:
+            self._unanswered += 1
+        self._setpoints[(self._unanswered > self._patience) | ~self._alive[:-1]] = 0.0
+        motion = self._world.advance(self._setpoints)
+        gap = clearance(motion.start.positions, motion.samples, self._radii, self._obstacles)
+        robots = self.robots
+        overlaps = [(int(robots[i]), int(robots[j])) for i, j in gap.robot_overlaps]
+        overlaps += [(int(robots[i]), -1 - obstacle) for i, obstacle in gap.obstacle_overlaps]
+        alive = self._alive[:-1].copy()
+        alive.flags.writeable = False
+        truth = TickTruth(
+            tick=self._tick,
+            time=self.time,
+            positions=motion.start.positions,
+            yaws=motion.start.yaws,
+            velocities=motion.start.velocities,
+            heights=motion.start.heights,
+            alive=alive,
+            samples=motion.samples,
+            sample_velocities=motion.sample_velocities,
+            min_clearance=gap.min_gap,
+            overlaps=tuple(overlaps),
+            radio=self._traffic,
+        )
+        self._begin_tick(motion.mean_accelerations)
+        return truth
+
+    def kill(self, node: NodeId) -> None:
+        """End a robot's electronics: no sensors, no radio, zero command; its body stays. Also for `MISSION`'s radio.
+
+        Raises
+        ------
+        KeyError
+            If the address is not in the scene.
+        """
+        row = self._row[node]
+        if not self._alive[row]:
+            return
+        logger.info("tick %d: %s died", self._tick, "mission computer" if node == MISSION else robot_name(node))
+        self._alive[row] = False
+        self._inboxes[row] = ()
+        self._link_table = None
+        if node != MISSION:
+            self._setpoints[row] = 0.0
+        if self._observed is not None:
+            self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
+
+    def close(self) -> None:
+        """Free the physics back end; may be called again."""
+        self._world.close()
+
+    def _begin_tick(self, mean_accelerations: FloatArray) -> None:
+        self._tick += 1
+        self._mean_accelerations = mean_accelerations
+        self._inboxes = self._medium.collect(self._tick, self._alive)
+        self._traffic = RadioTraffic()
+        self._link_table = None
+        self._observed = None
+        self._is_applied = False
+
+    def _current_links(self) -> LinkTable:
+        if self._link_table is None:
+            antennas = np.concatenate([self._world.state.positions, self._antenna])
+            self._link_table = self._links.evaluate(antennas, self._alive)
+        return self._link_table
+
+    def _sense(self) -> Mapping[NodeId, AgentInputs]:
+        readings = self._sensors.measure(self._tick, self._world.state, self._mean_accelerations, self._current_links())
+        return {
+            robot: AgentInputs(self._tick, self.time, *reading, inbox=inbox)
+            for robot, reading, inbox, is_alive in zip(
+                self.robots, readings, self._inboxes[:-1], self._alive[:-1], strict=True
+            )
+            if is_alive
+        }

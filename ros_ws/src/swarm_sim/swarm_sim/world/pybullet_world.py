@@ -1,0 +1,325 @@
+"""Rigid bodies with contacts on rough ground, by PyBullet; the only module that imports it.
+
+Contact spheres roll freely: the ground has no Coulomb friction (Bullet multiplies the coefficients of two bodies), the
+rolling resistance is the viscous force b v, and mu1 acts between hulls and walls (spec section 2, erratum E21).
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from swarm_msgs_py.errors import PhysicsError
+from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import FloatArray
+from swarm_sim.config import Ground, SimConfig
+from swarm_sim.firmware.servo_gains import servo_gains
+from swarm_sim.firmware.velocity_servo import HeadingServo, VelocityServo, wrap_angle
+from swarm_sim.scene import Scene
+from swarm_sim.world.chassis import CENTER_HEIGHT_M, Chassis
+from swarm_sim.world.obstacles import convex_pieces
+from swarm_sim.world.terrain import CELL_M, Terrain, make_terrain
+from swarm_sim.world.world import BodyState, Motion, TickGrid, frozen, motion_between
+
+
+@contextmanager
+def _quiet_stderr() -> Iterator[None]:
+    """Keep what C code prints out of the terminal."""
+    sys.stderr.flush()
+    kept, sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(sink, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(sink)
+
+
+with _quiet_stderr():  # PyBullet announces its build time when it is imported
+    import pybullet
+
+GRAVITY = 9.81
+WALL_HEIGHT_M = 1.5
+WALL_DEPTH_M = 1.0
+"""How far walls reach below the datum [m], so that no dip of the ground lets a robot under."""
+FENCE_THICKNESS_M = 1.0
+"""Walls around the outer edge of the ground: nobody falls off the world."""
+SOLVER_ITERATIONS = 6
+"""Enough for robots that stand on four points and touch a few others; more changes nothing measurable."""
+SETTLING_S = 0.5
+"""Time before tick 0 in which the bodies come to rest on the ground, held by their servos [s]."""
+SINK_LIMIT_M = 1.0
+"""A body this far below the deepest ground [m] has left it."""
+ANGULAR_DAMPING = 0.04
+"""Bullet's default, stated: takes the swing out of roll and pitch."""
+
+ROBOT_GROUP, STATIC_GROUP = 1, 2
+
+
+class PyBulletWorld:
+    """Rigid bodies under velocity and heading servos; implements the `World` protocol.
+
+    Parameters
+    ----------
+    config : SimConfig
+    scene : Scene
+        Checked scene.
+    seed : int
+        Seed of the run; shapes the terrain.
+
+    Raises
+    ------
+    PhysicsError
+        If the engine does not start or refuses a body.
+    """
+
+    has_contacts = True
+
+    def __init__(self, config: SimConfig, scene: Scene, seed: int) -> None:
+        types = [robot.type for robot in scene.robots]
+        self._grid = TickGrid.of(config.period_s, config.physics.rate_hz)
+        self._servo = VelocityServo(servo_gains(types, config.servo.gains), types, self._grid.step_s)
+        yaws = wrap_angle(np.array([robot.yaw for robot in scene.robots]))
+        self._heading = HeadingServo(yaws, self._grid.step_s)
+        self._friction = np.array([[robot_type.mu2] for robot_type in types])
+        self._turning_inertia = np.array([Chassis.of(robot_type).inertia[2] for robot_type in types])
+        terrain = make_terrain(config.terrain, scene.bounds, seed)
+        self._floor = float(terrain.heights.min()) - SINK_LIMIT_M
+
+        self._client = pybullet.connect(pybullet.DIRECT)
+        if self._client < 0:
+            raise PhysicsError("PyBullet could not start a physics server; close other simulations and try again")
+        try:
+            self._bodies = _SceneBuilder(self._client, self._grid.step_s).build(config, scene, terrain)
+            self._state = self._read()
+            for _ in range(round(SETTLING_S / config.period_s) or 1):
+                self.advance(np.zeros((len(types), 3)))
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def state(self) -> BodyState:
+        """Return the true state now."""
+        return self._state
+
+    def advance(self, setpoints: FloatArray) -> Motion:
+        """Run one control period; see `World.advance`."""
+        if self._client < 0:
+            raise PhysicsError("the world is closed")
+        start = self._state
+        grid, servo, heading, friction = self._grid, self._servo, self._heading, self._friction
+        velocities, yaw_rates, yaws = start.velocities, start.yaw_rates, start.yaws
+        centers = np.column_stack([start.positions, start.heights])
+        drive = setpoints[:, 0] + 1j * setpoints[:, 1]  # a complex number turns with one product
+        forces = np.zeros_like(centers)
+        states, sampled = [], set(grid.sampled.tolist())
+        for k in range(1, grid.steps + 1):
+            wanted = (drive * np.exp(1j * yaws)).view(np.float64).reshape(-1, 2)
+            forces[:, :2] = servo.force(wanted, velocities) - friction * velocities
+            torques = self._turning_inertia * heading.acceleration(setpoints[:, 2], yaws, yaw_rates)
+            self._push(forces, centers, torques)
+            pybullet.stepSimulation(self._client)
+            if k in sampled:
+                state = self._read()
+                states.append(state)
+                velocities, yaw_rates, yaws = state.velocities, state.yaw_rates, state.yaws
+                centers = np.column_stack([state.positions, state.heights])
+            else:
+                # Between samples one call per body is enough: Bullet moves a body by its new velocity, so adding that
+                # up follows the center of mass to within what contacts correct.
+                spins = self._read_velocities()
+                velocities, yaw_rates = spins[:, :2], spins[:, 5]
+                centers = centers + grid.step_s * spins[:, :3]
+                yaws = yaws + grid.step_s * yaw_rates
+        self._state = states[-1]
+        if self._state.heights.min() < self._floor:
+            raise PhysicsError(f"robot in row {int(self._state.heights.argmin())} of the scene fell off the ground")
+        samples = np.stack([state.positions for state in states])
+        speeds = np.stack([state.velocities for state in states])
+        return motion_between(start, self._state, samples, speeds, grid.period_s)
+
+    def close(self) -> None:
+        """Stop the physics server; may be called again."""
+        if self._client >= 0:
+            pybullet.disconnect(self._client)
+            self._client = -1
+
+    def _push(self, forces: FloatArray, centers: FloatArray, torques: FloatArray) -> None:
+        """Apply drive forces (n, 3) at the centers (n, 3), and turning torques (n,), for the next step."""
+        client, frame, push = self._client, pybullet.WORLD_FRAME, pybullet.applyExternalForce
+        for body, force, center in zip(self._bodies, forces.tolist(), centers.tolist(), strict=True):
+            push(body, -1, force, center, frame, client)
+        for row in np.flatnonzero(torques):
+            torque = (0.0, 0.0, float(torques[row]))
+            pybullet.applyExternalTorque(self._bodies[row], -1, torque, frame, client)
+
+    def _read_velocities(self) -> FloatArray:
+        """Return linear and angular velocities (n, 6), world frame."""
+        client, read = self._client, pybullet.getBaseVelocity
+        pairs = [read(body, client) for body in self._bodies]
+        return np.array([linear + angular for linear, angular in pairs])
+
+    def _read(self) -> BodyState:
+        client = self._client
+        poses = [pybullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
+        table = np.array([position + orientation for position, orientation in poses])
+        spins = self._read_velocities()
+        x, y, z, w = table[:, 3:].T
+        yaws = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return BodyState(
+            frozen(table[:, :2]),
+            frozen(table[:, 2]),
+            frozen(wrap_angle(yaws)),
+            frozen(spins[:, :2]),
+            frozen(spins[:, 5]),
+        )
+
+
+class _SceneBuilder:
+    """Puts ground, walls and robots into a physics server."""
+
+    def __init__(self, client: int, step_s: float) -> None:
+        self._client = client
+        pybullet.setGravity(0.0, 0.0, -GRAVITY, physicsClientId=client)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step_s,
+            numSolverIterations=SOLVER_ITERATIONS,
+            deterministicOverlappingPairs=1,
+            physicsClientId=client,
+        )
+
+    def build(self, config: SimConfig, scene: Scene, terrain: Terrain) -> list[int]:
+        """Return the robots' body numbers, in the scene's order."""
+        types = [robot.type for robot in scene.robots]
+        # sqrt(mu1) on every hull makes the product of two equal hulls mu1; walls are as grippy as the mean robot.
+        grip = float(np.mean([np.sqrt(robot_type.mu1) for robot_type in types]))
+        self._add_ground(config.terrain.ground, terrain)
+        for polygon in scene.obstacles:
+            for piece in convex_pieces(polygon):
+                self._add_wall(piece, grip)
+        for side in _fence(terrain):
+            self._add_wall(side, grip)
+        shapes = {robot_type: self._chassis_shape(robot_type) for robot_type in dict.fromkeys(types)}
+        return [
+            self._add_robot(robot.type, shapes[robot.type], (*robot.position, robot.yaw), terrain)
+            for robot in scene.robots
+        ]
+
+    def _add_ground(self, ground: Ground, terrain: Terrain) -> None:
+        if ground is Ground.PLANE:
+            shape, center = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self._client), 0.0
+        else:
+            rows, columns = terrain.heights.shape
+            shape = pybullet.createCollisionShape(
+                pybullet.GEOM_HEIGHTFIELD,
+                meshScale=[CELL_M, CELL_M, 1.0],
+                heightfieldData=terrain.heights.ravel().tolist(),
+                numHeightfieldRows=columns,  # Bullet's rows are the points along x
+                numHeightfieldColumns=rows,
+                physicsClientId=self._client,
+            )
+            # Bullet puts the middle between the lowest and the highest point at the body's origin.
+            center = float(terrain.heights.min() + terrain.heights.max()) / 2.0
+        self._add_static(shape, (*terrain.center, center), 0.0)
+
+    def _add_wall(self, corners: FloatArray, friction: float) -> None:
+        low, high = (np.column_stack([corners, np.full(len(corners), z)]) for z in (-WALL_DEPTH_M, WALL_HEIGHT_M))
+        shape = pybullet.createCollisionShape(
+            pybullet.GEOM_MESH, vertices=np.concatenate([low, high]).tolist(), physicsClientId=self._client
+        )
+        self._add_static(shape, (0.0, 0.0, 0.0), friction)
+
+    def _add_static(self, shape: int, position: tuple[float, float, float], friction: float) -> None:
+        body = self._add_body(0.0, shape, position, (0.0, 0.0, 0.0, 1.0))
+        pybullet.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self._client)
+        pybullet.setCollisionFilterGroupMask(body, -1, STATIC_GROUP, ROBOT_GROUP, physicsClientId=self._client)
+
+    def _chassis_shape(self, robot_type: RobotType) -> int:
+        chassis = Chassis.of(robot_type)
+        spheres = len(chassis.spheres)
+        shape: int = pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_SPHERE] * spheres + [pybullet.GEOM_CYLINDER],
+            radii=[chassis.sphere_radius] * spheres + [chassis.hull_radius],
+            lengths=[0.0] * spheres + [chassis.hull_length],
+            collisionFramePositions=[*chassis.spheres.tolist(), [0.0, 0.0, chassis.hull_center]],
+            collisionFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * (spheres + 1),
+            physicsClientId=self._client,
+        )
+        return shape
+
+    def _add_robot(self, robot_type: RobotType, shape: int, pose: tuple[float, float, float], terrain: Terrain) -> int:
+        chassis = Chassis.of(robot_type)
+        x, y, yaw = pose
+        height, orientation = _stand(chassis, np.array([x, y]), yaw, terrain)
+        body = self._add_body(robot_type.mass_kg, shape, (x, y, height), orientation)
+        pybullet.changeDynamics(
+            body,
+            -1,
+            mass=robot_type.mass_kg,  # without it, setting the inertia clears the mass
+            lateralFriction=float(np.sqrt(robot_type.mu1)),
+            linearDamping=0.0,
+            angularDamping=ANGULAR_DAMPING,
+            localInertiaDiagonal=chassis.inertia,
+            activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            physicsClientId=self._client,
+        )
+        pybullet.setCollisionFilterGroupMask(
+            body, -1, ROBOT_GROUP, ROBOT_GROUP | STATIC_GROUP, physicsClientId=self._client
+        )
+        return body
+
+    def _add_body(
+        self,
+        mass: float,
+        shape: int,
+        position: tuple[float, float, float],
+        orientation: tuple[float, float, float, float],
+    ) -> int:
+        if shape < 0:
+            raise PhysicsError("PyBullet refused a collision shape of the scene; simplify the obstacles")
+        body: int = pybullet.createMultiBody(
+            mass,
+            shape,
+            basePosition=position,
+            baseOrientation=orientation,
+            useMaximalCoordinates=1,  # plain rigid bodies: three times faster than one-link multibodies
+            physicsClientId=self._client,
+        )
+        if body < 0:
+            raise PhysicsError("PyBullet refused a body of the scene; simplify the obstacles")
+        return body
+
+
+def _stand(
+    chassis: Chassis, point: FloatArray, yaw: float, terrain: Terrain
+) -> tuple[float, tuple[float, float, float, float]]:
+    """Return height of the center and orientation (x, y, z, w) of a robot that stands on the ground at `point`."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    feet = chassis.spheres[:, :2] @ np.array([[cos, sin], [-sin, cos]])
+    ground = terrain.heights_at(point + feet)
+    # The plane through four feet on a square: least squares has this closed form.
+    slope = feet.T @ (ground - ground.mean()) / (feet[:, 0] ** 2).sum()
+    lift = float((ground - feet @ slope).max())
+    # Turn about the vertical, then tilt the vertical onto the plane's normal.
+    normal = np.array([-slope[0], -slope[1], 1.0]) / np.sqrt(1.0 + slope @ slope)
+    half = np.array([-normal[1], normal[0], 0.0, 1.0 + normal[2]])
+    tilt = half / np.linalg.norm(half)
+    _, orientation = pybullet.multiplyTransforms(
+        [0.0, 0.0, 0.0], tilt.tolist(), [0.0, 0.0, 0.0], [0.0, 0.0, float(np.sin(yaw / 2.0)), float(np.cos(yaw / 2.0))]
+    )
+    return lift + CENTER_HEIGHT_M * float(np.sqrt(1.0 + slope @ slope)), orientation
+
+
+def _fence(terrain: Terrain) -> list[FloatArray]:
+    """Return the four walls along the inside of the ground's edge, as rectangles."""
+    (x0, y0), (rows, columns) = terrain.origin, terrain.heights.shape
+    x1, y1 = x0 + (columns - 1) * CELL_M, y0 + (rows - 1) * CELL_M
+    t = FENCE_THICKNESS_M
+    boxes = [(x0, y0, x1, y0 + t), (x0, y1 - t, x1, y1), (x0, y0, x0 + t, y1), (x1 - t, y0, x1, y1)]
+    return [np.array([(a, b), (c, b), (c, d), (a, d)]) for a, b, c, d in boxes]

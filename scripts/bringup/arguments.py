@@ -1,0 +1,174 @@
+"""The command line of ``launch_swarm.py``."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import NoReturn
+
+from bringup.scenario_file import Override, map_override, parse_assignment, scenario_names, shape_override
+from swarm_msgs_py.errors import ConfigError
+from swarm_sim.config import Backend
+
+DEMO = "demo"
+SEED_MAX = 2**32 - 1
+
+
+class EngineKind(Enum):
+    """Ways to run the actors."""
+
+    ROS = "ros"
+    INPROCESS = "inprocess"
+
+
+@dataclass(frozen=True, slots=True)
+class Arguments:
+    """What the operator asked for.
+
+    Attributes
+    ----------
+    scenario : str
+        Name of a ready-made scenario, or a file.
+    overrides : tuple of Override
+        Settings on top of the scenario.
+    engine : EngineKind
+    agents_per_process : int or None
+        None for what was measured best.
+    real_time : bool
+        Pace ticks by the wall clock.
+    out : Path or None
+        Folder for the results, None for a new one under ``runs/``.
+    json : bool
+        Print the metrics, and nothing else, on standard output.
+    """
+
+    scenario: str
+    overrides: tuple[Override, ...]
+    engine: EngineKind
+    agents_per_process: int | None
+    real_time: bool
+    out: Path | None
+    json: bool
+
+
+def parse_arguments(argv: Sequence[str]) -> Arguments:
+    """Return what the operator asked for.
+
+    Raises
+    ------
+    ConfigError
+        One line that names the option and the remedy.
+    SystemExit
+        With code 0, after ``--help``.
+    """
+    parser = _make_parser()
+    given = parser.parse_args(argv)
+    engine = EngineKind(given.engine)
+    if given.record:
+        raise ConfigError("--record: recordings are not part of this version; leave the option out")
+    if given.agents_per_process is not None and engine is not EngineKind.ROS:
+        raise ConfigError("--agents-per-process: only the ros engine has processes; leave it out or use --engine ros")
+    return Arguments(
+        scenario=given.scenario,
+        overrides=_overrides(given),
+        engine=engine,
+        agents_per_process=given.agents_per_process,
+        real_time=given.real_time,
+        out=given.out,
+        json=given.json,
+    )
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong in one line, with a remedy, as everything else here does."""
+
+    def error(self, message: str) -> NoReturn:
+        match = re.match(r"unrecognized arguments: (\S+)", message)
+        if match:
+            options = [option for action in self._actions for option in action.option_strings]
+            near = difflib.get_close_matches(match[1].partition("=")[0], options, n=1)
+            remedy = f"did you mean '{near[0]}'?" if near else "see --help for all options"
+            raise ConfigError(f"{match[1]}: unknown option; {remedy}")
+        raise ConfigError(message.removeprefix("argument ").replace("\n", " "))
+
+
+def _make_parser() -> argparse.ArgumentParser:
+    parser = _OneLineParser(
+        prog="launch_swarm.py",
+        description="Run a swarm: it forms a shape, on ROS 2 or in this process, and leaves a folder of results.",
+        epilog=f"Ready-made scenarios: {', '.join(scenario_names())}. Exit code 0: mission achieved; 1: not achieved; "
+        "2: bad input, nothing was started; 130: interrupted, what was recorded is kept.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("--scenario", metavar="NAME|FILE", default=DEMO, help="what to run (default: %(default)s)")
+    add("--shape", metavar="NAME|FILE", help="form this shape instead of the scenario's")
+    add("--map", metavar="NAME|FILE", help="in this arena instead of the scenario's")
+    add("--method", metavar="M", help="method of the mission, for example bubble-packing")
+    add("--agents", metavar="N", type=_whole(1, 1000), help="number of robots; keeps the mix of types")
+    add("--seed", metavar="S", type=_whole(0, SEED_MAX), help="seed of everything that is drawn")
+    add("--engine", metavar="ENGINE", type=_choice(EngineKind), default=EngineKind.ROS.value,
+        help="ros or inprocess (default: %(default)s)")  # fmt: skip
+    add("--physics", metavar="BACKEND", type=_choice(Backend), help="bullet or massdamper")
+    add("--agents-per-process", metavar="K", type=_whole(1, 1000), help="agent nodes in one operating-system process")
+    add("--real-time", action="store_true", help="pace ticks by the wall clock")
+    add("--record", action="store_true", help="record all topics (not in this version)")
+    add("--out", metavar="DIR", type=_folder, help="new or empty folder (default: runs/<time>-<scenario>-<seed>)")
+    add("--json", action="store_true", help="print the metrics, and nothing else, on standard output")
+    add("--set", metavar="KEY=VALUE", action="append", default=[],
+        help="change one setting of the scenario; the end of its key is enough where it is unique")  # fmt: skip
+    return parser
+
+
+def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
+    """Return the overrides in a fixed order; ``--set`` comes last, being the most particular."""
+    overrides: list[Override] = []
+    if given.shape is not None:
+        overrides.append(shape_override(given.shape))
+    if given.map is not None:
+        overrides.append(map_override(given.map))
+    if given.method is not None:
+        overrides.append(Override(f"--method {given.method}", "mission.partition.method", given.method))
+    if given.agents is not None:
+        overrides.append(Override(f"--agents {given.agents}", "robots.count", given.agents))
+    if given.seed is not None:
+        overrides.append(Override(f"--seed {given.seed}", "seed", given.seed))
+    if given.physics is not None:
+        overrides.append(Override(f"--physics {given.physics}", "sim.physics.backend", given.physics))
+    return (*overrides, *(parse_assignment(text) for text in given.set))
+
+
+def _whole(minimum: int, maximum: int) -> Callable[[str], int]:
+    """Return a parser of whole numbers in a range."""
+
+    def parse(text: str) -> int:
+        if not re.fullmatch(r"[+-]?\d+", text) or not minimum <= int(text) <= maximum:
+            raise argparse.ArgumentTypeError(f"expected a whole number from {minimum} to {maximum}, got '{text}'")
+        return int(text)
+
+    return parse
+
+
+def _choice(kind: type[Enum]) -> Callable[[str], str]:
+    """Return a parser of the values of an enumeration, which knows what was meant."""
+    known = [str(member.value) for member in kind]
+
+    def parse(text: str) -> str:
+        if text not in known:
+            near = difflib.get_close_matches(text, known, n=1)
+            remedy = f"did you mean '{near[0]}'?" if near else f"choose from: {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"there is no '{text}'; {remedy}")
+        return text
+
+    return parse
+
+
+def _folder(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("expected a folder, got ''")
+    return Path(text)

@@ -1,0 +1,129 @@
+"""From the command line to an exit code."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import TextIO
+
+from rich.console import Console
+
+from bringup.arguments import Arguments, EngineKind, parse_arguments
+from bringup.compose import ScenarioActors
+from bringup.engine import Engine
+from bringup.inprocess import InProcessEngine
+from bringup.interruption import Interruption
+from bringup.progress import Progress, print_summary
+from bringup.resolution import resolve
+from bringup.run import execute, write_results
+from bringup.run_folder import RunFolder, reserve_default
+from bringup.scenario import Scenario
+from bringup.scenario_file import load_scenario
+from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_sim.config import Backend
+
+ACHIEVED, NOT_ACHIEVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+RUNS = Path("runs")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run what the command line asks for; return the exit code (0, 1, 2 or 130)."""
+    with Interruption() as interruption:
+        try:
+            arguments = parse_arguments(sys.argv[1:] if argv is None else argv)
+            with _output(arguments.json) as (stdout, console):
+                return _run(arguments, interruption, stdout, console)
+        except SwarmError as error:
+            print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+            return BAD_INPUT
+        except KeyboardInterrupt:
+            print("interrupted before the start; nothing was written", file=sys.stderr)
+            return INTERRUPTED
+
+
+def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, console: Console) -> int:
+    """Check everything, run, write.
+
+    Raises
+    ------
+    SwarmError
+        Before anything was started or written.
+    KeyboardInterrupt
+        As long as there is nothing to keep.
+    """
+    with interruption.welcome():
+        scenario, origin = load_scenario(arguments.scenario, arguments.overrides)
+        _check_installation(arguments, scenario)
+        scenario = resolve(scenario, origin)
+        engine = _make_engine(arguments, ScenarioActors(scenario))
+    folder = RunFolder(arguments.out) if arguments.out is not None else reserve_default(scenario, RUNS)
+    try:
+        with Progress(console, scenario.robots.count) as progress:
+            progress.say(
+                f"{scenario.name}: {scenario.robots.count} robots, seed {scenario.seed}, {arguments.engine.value}"
+            )
+            outcome = execute(scenario, engine, interruption, progress)
+        metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
+    finally:
+        folder.release()
+    if arguments.json:
+        stdout.write(metrics.to_json())
+        stdout.flush()
+    print_summary(console, metrics, str(folder.path))
+    if interruption.requested:
+        return INTERRUPTED
+    return ACHIEVED if metrics.achieved else NOT_ACHIEVED
+
+
+def _check_installation(arguments: Arguments, scenario: Scenario) -> None:
+    """Refuse what needs a library that is not there.
+
+    Raises
+    ------
+    ConfigError
+        Naming the option and what to install or use instead.
+    """
+    if arguments.engine is EngineKind.ROS and importlib.util.find_spec("rclpy") is None:
+        raise ConfigError(
+            "--engine ros: rclpy is not installed; run `make`, or source ROS 2, or use --engine inprocess"
+        )
+    if scenario.sim.physics.backend is Backend.BULLET and importlib.util.find_spec("pybullet") is None:
+        raise ConfigError("sim.physics.backend: pybullet is not installed; run `make`, or use --physics massdamper")
+
+
+def _make_engine(arguments: Arguments, actors: ScenarioActors) -> Engine:
+    if arguments.engine is EngineKind.INPROCESS:
+        return InProcessEngine(actors, real_time=arguments.real_time)
+    # Imported on demand: everything else must work where ROS is not installed.
+    module = import_module("bringup.ros_engine")
+    engine: Engine = module.RosEngine(
+        actors, agents_per_process=arguments.agents_per_process, real_time=arguments.real_time
+    )
+    return engine
+
+
+@contextmanager
+def _output(is_json: bool) -> Iterator[tuple[TextIO, Console]]:
+    """Yield where the metrics go and where everything else goes.
+
+    With ``--json``, whatever libraries write to standard output (PyBullet greets there, from C) goes to standard error
+    as well, also from child processes, so that standard output carries nothing but the metrics.
+    """
+    if not is_json:
+        yield sys.stdout, Console()
+        return
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with io.TextIOWrapper(os.fdopen(kept, "wb", closefd=False), encoding="utf-8") as stdout:
+            yield stdout, Console(stderr=True)
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)

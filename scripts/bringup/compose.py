@@ -1,0 +1,77 @@
+"""Composition root: a resolved scenario becomes actors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from bringup.layout import make_scene, robot_types
+from bringup.resolution import contour_of
+from bringup.scenario import Scenario
+from mission_computer.config import MissionConfig
+from mission_computer.mission import Mission
+from mission_computer.roster import Roster
+from swarm_agent.agent import Agent
+from swarm_agent.config import AgentConfig
+from swarm_msgs_py.types import NodeId
+from swarm_sim.config import SimConfig
+from swarm_sim.scene import Scene
+from swarm_sim.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class ScenarioActors:
+    """The actors of one resolved scenario; implements `bringup.engine.Actors`."""
+
+    scenario: Scenario
+
+    @property
+    def robots(self) -> tuple[NodeId, ...]:
+        """All robots, ascending."""
+        return tuple(NodeId(robot) for robot in range(self.scenario.robots.count))
+
+    @property
+    def period_s(self) -> float:
+        """Control period [s]."""
+        return self.scenario.sim.period_s
+
+    @property
+    def world_config(self) -> SimConfig:
+        """Settings of the world."""
+        return self.scenario.sim
+
+    @property
+    def mission_config(self) -> MissionConfig:
+        """Settings of the mission computer."""
+        return self.scenario.mission
+
+    @property
+    def agent_config(self) -> AgentConfig:
+        """Settings of every robot."""
+        return self.scenario.agent
+
+    @cached_property
+    def scene(self) -> Scene:
+        """What stands where at the start."""
+        return make_scene(self.scenario)
+
+    def simulation(self) -> Simulation:
+        """Make the world at tick 0."""
+        return Simulation(self.scenario.sim, self.scene, self.scenario.seed)
+
+    def mission(self) -> Mission:
+        """Make the mission computer; it is ordered the scenario's shape."""
+        return Mission(
+            self.scenario.mission,
+            self.scenario.agent.network,
+            Roster.of(robot_types(self.scenario)),
+            self.scene.obstacles,
+            contour_of(self.scenario),
+            self.period_s,
+            self.scenario.seed,
+        )
+
+    def agent(self, robot: NodeId) -> Agent:
+        """Make one robot's agent. It knows the map, as the operator loads it before the start, and no position."""
+        kind = self.scene.robots[robot].type
+        return Agent(robot, self.scenario.agent, kind, self.period_s, self.scene.obstacles)

@@ -1,0 +1,82 @@
+"""Engine that runs all actors in this process, in lockstep, without ROS."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from threading import Event
+
+from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
+from swarm_msgs_py.types import MISSION, NodeId
+from swarm_sim.simulation import Simulation
+
+
+class InProcessEngine:
+    """Runs one scenario in this process; implements `bringup.engine.Engine`.
+
+    Parameters
+    ----------
+    actors : Actors
+    real_time : bool
+        Start ticks no faster than the wall clock.
+    """
+
+    def __init__(self, actors: Actors, *, real_time: bool = False) -> None:
+        self._actors = actors
+        self._real_time = real_time
+        self._simulation: Simulation | None = None
+        self._mission: MissionActor | None = None
+        self._agents: dict[NodeId, AgentActor] = {}
+        self.startup_s = 0.0
+
+    def __enter__(self) -> InProcessEngine:
+        """Make all actors."""
+        began = time.monotonic()
+        self._simulation = self._actors.simulation()
+        self._mission = self._actors.mission()
+        self._agents = {robot: self._actors.agent(robot) for robot in sorted(self._actors.robots)}
+        self.startup_s = time.monotonic() - began
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Close the world."""
+        if self._simulation is not None:
+            self._simulation.close()
+            self._simulation = None
+
+    def ticks(self) -> Iterator[TickRecord]:
+        """Yield one record per tick.
+
+        Raises
+        ------
+        RuntimeError
+            If the engine was not entered.
+        """
+        if self._simulation is None or self._mission is None:
+            raise RuntimeError("the engine is not running; use it as a context manager")
+        began = time.monotonic()
+        pause = Event()  # never set: a wait that a signal handler's exception can end
+        while True:
+            if self._real_time:
+                ahead = self._simulation.tick * self._actors.period_s - (time.monotonic() - began)
+                pause.wait(max(0.0, ahead))
+            yield self._tick(self._simulation, self._mission)
+
+    def _tick(self, simulation: Simulation, mission: MissionActor) -> TickRecord:
+        """Let everybody answer one tick, then let the world move on."""
+        seen = simulation.observe()
+        orders = mission.step(seen.mission)
+        outputs = {robot: self._agents[robot].step(inputs) for robot, inputs in sorted(seen.agents.items())}
+        simulation.apply(
+            {robot: output.command for robot, output in outputs.items()},
+            {**{robot: output.outbox for robot, output in outputs.items()}, MISSION: orders.outbox},
+        )
+        return TickRecord(
+            tick=seen.tick,
+            truth=simulation.advance(),
+            reports={robot: output.report for robot, output in outputs.items()},
+            mission=orders.report,
+            plan=orders.plan,
+            alerts=(orders.report.notice,) if orders.report.notice else (),
+            lost=frozenset(self._actors.robots) - frozenset(seen.agents),
+        )

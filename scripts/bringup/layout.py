@@ -1,0 +1,95 @@
+"""Where everything stands at the start: obstacles from the map, robots from the start rule and the seed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+
+from bringup.scenario import Scenario, rescaled_counts
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.randomness import rng_for
+from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import FloatArray, NodeId, robot_name
+from swarm_sim.scene import RobotSpec, Scene, check_scene
+
+DRAWS = 4000  # points tried for one robot; where one in a thousand is free, all fail once in e^4 cases
+
+
+def robot_types(scenario: Scenario) -> tuple[RobotType, ...]:
+    """Return the type of each robot, in the order of robot ids."""
+    return tuple(group.robot_type() for group in scenario.robots.types for _ in range(group.count))
+
+
+def make_scene(scenario: Scenario) -> Scene:
+    """Return the arena of a resolved scenario, with its robots placed.
+
+    Raises
+    ------
+    ConfigError
+        If there is no room for the robots, or explicit start points cannot be.
+    """
+    bounds = scenario.map.bounds_m
+    assert bounds is not None  # a resolved scenario has its map written out
+    obstacles = tuple(obstacle.polygon() for obstacle in scenario.map.obstacles)
+    types = robot_types(scenario)
+    explicit = scenario.robots.start.positions_m
+    starts = np.array(explicit, dtype=np.float64) if explicit else _drawn(scenario, types, obstacles, bounds)
+    sensors = _sensor_carriers(scenario)
+    robots = tuple(
+        RobotSpec(
+            NodeId(robot),
+            kind,
+            (float(starts[robot, 0]), float(starts[robot, 1])),
+            float(rng_for(scenario.seed, "start-yaw", robot).uniform(-math.pi, math.pi)),
+            robot in sensors,
+        )
+        for robot, kind in enumerate(types)
+    )
+    scene = Scene(robots, obstacles, bounds, scenario.mission.position_m)
+    check_scene(scene)
+    return scene
+
+
+def _drawn(
+    scenario: Scenario,
+    types: tuple[RobotType, ...],
+    obstacles: tuple[FloatArray, ...],
+    bounds: tuple[float, float, float, float],
+) -> FloatArray:
+    """Return (n, 2) start points, uniform in the start square; large robots choose first, since they need most room."""
+    start = scenario.robots.start
+    walls = shapely.union_all([shapely.Polygon(obstacle) for obstacle in obstacles])
+    radii = np.array([kind.coverage_radius_m for kind in types])
+    points = np.full((len(types), 2), np.inf)
+    for robot in np.lexsort((np.arange(len(types)), -radii)):
+        keep_out = radii[robot] + start.gap_m
+        low = np.maximum(np.array(bounds[:2]) + keep_out, -start.half_side_m)
+        high = np.minimum(np.array(bounds[2:]) - keep_out, start.half_side_m)
+        candidates = rng_for(scenario.seed, "start", int(robot)).uniform(low, np.maximum(low, high), (DRAWS, 2))
+        apart = np.linalg.norm(candidates[:, None] - points[None], axis=2) - radii[None] >= keep_out
+        is_free = apart.all(axis=1)
+        if obstacles:
+            is_free &= shapely.distance(walls, shapely.points(candidates)) >= keep_out
+        if not is_free.any() or (low > high).any():
+            placed = int(np.isfinite(points).all(axis=1).sum())
+            raise ConfigError(
+                f"no room for {robot_name(NodeId(int(robot)))} after {placed} of {len(types)} robots were placed in "
+                f"|x|, |y| <= {start.half_side_m:g} m; enlarge start.half_side_m, lower start.gap_m or use fewer robots"
+            )
+        points[robot] = candidates[np.argmax(is_free)]
+    return points
+
+
+def _sensor_carriers(scenario: Scenario) -> frozenset[int]:
+    """Return who carries a position sensor: the share, rounded up, spread over the types; drawn within a type."""
+    counts = tuple(group.count for group in scenario.robots.types)
+    total = math.ceil(scenario.robots.position_sensor_share * scenario.robots.count)
+    carriers: set[int] = set()
+    first = 0
+    for group, carrying in zip(scenario.robots.types, rescaled_counts(counts, total), strict=True):
+        drawn = rng_for(scenario.seed, "position-sensor", group.type).permutation(group.count)[:carrying]
+        carriers.update(first + int(index) for index in drawn)
+        first += group.count
+    return frozenset(carriers)

@@ -1,0 +1,122 @@
+"""What the operator sees while a run goes on: one live line, alerts above it, a summary at the end."""
+
+from __future__ import annotations
+
+import time
+from types import TracebackType
+
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from bringup.engine import TickRecord
+from bringup.results import FormationMetrics
+
+REFRESH_S = 0.2  # of the live line, wall time
+PLAIN_S = 5.0  # between two lines where there is no terminal, wall time
+
+
+class Progress:
+    """Shows a run; use as a context manager.
+
+    Parameters
+    ----------
+    console : Console
+        Where to; a live line on a terminal, now and then a plain line elsewhere.
+    robots : int
+        How many there are.
+    """
+
+    def __init__(self, console: Console, robots: int) -> None:
+        self._console = console
+        self._robots = robots
+        self._live: Live | None = None
+        self._began: float | None = None
+        self._shown = -PLAIN_S
+        self._alerts: list[str] = []
+
+    def __enter__(self) -> Progress:
+        """Begin the live line."""
+        if self._console.is_terminal:
+            self._live = Live(console=self._console, refresh_per_second=1.0 / REFRESH_S, transient=True)
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Take the live line away."""
+        if self._live is not None:
+            self._live.stop()
+            self._live = None
+
+    def say(self, line: str) -> None:
+        """Print one line of its own."""
+        self._console.print(Text(line))
+
+    def show(self, record: TickRecord, end: float, at_goal: int) -> None:
+        """Take in one tick.
+
+        Parameters
+        ----------
+        record : TickRecord
+        end : float
+            Simulated time at the end of the tick [s].
+        at_goal : int
+            Robots at their goals.
+        """
+        now = time.monotonic()
+        if self._began is None:
+            self._began = now
+        for alert in record.alerts:
+            self._alert(alert, record.truth.time)
+        interval = REFRESH_S if self._live is not None else PLAIN_S
+        if now - self._shown >= interval:
+            self._shown = now
+            line = self._line(end, now - self._began, at_goal, len(record.lost))
+            if self._live is not None:
+                self._live.update(line)
+            else:
+                self._console.print(line)
+
+    def _alert(self, alert: str, at: float) -> None:
+        """Print an alert; one that repeats tick after tick is printed once."""
+        if alert not in self._alerts:
+            self._alerts.append(alert)
+            self._console.print(Text(f"{at:7.1f} s  ALERT  {alert}", style="bold red"))
+
+    def _line(self, end: float, wall: float, at_goal: int, lost: int) -> Text:
+        factor = f"{end / wall:5.1f} x real time" if wall > REFRESH_S else "   -  x real time"
+        line = Text(f"{end:7.1f} s  {factor}  {at_goal:3d} of {self._robots} robots at their goals")
+        if self._alerts:
+            line.append(f"  {len(self._alerts)} alerts, {lost} lost", style="red")
+        return line
+
+
+def print_summary(console: Console, metrics: FormationMetrics, folder: str) -> None:
+    """Print how a run ended and where its results are."""
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    for label, value in _rows(metrics):
+        table.add_row(label, value)
+    console.print(Text(metrics.reason, style="bold green" if metrics.achieved else "bold red"))
+    console.print(table)
+    console.print(Text(f"results: {folder}"), soft_wrap=True)
+
+
+def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
+    settled, bottleneck = _number(metrics.settling_time_s, "s"), _number(metrics.bottleneck_time_s, "s")
+    ratio, bound = _number(metrics.displacement_ratio, "", 3), _number(metrics.displacement_lower_bound_m, "m")
+    traffic = f"{metrics.radio_bytes / 1e6:.2f} MB in {metrics.radio_frames} frames"
+    return [
+        ("settling time", f"{settled} (bottleneck {bottleneck})"),
+        ("total displacement", f"{_number(metrics.total_displacement_m, 'm')} = {ratio} x lower bound {bound}"),
+        ("collisions", f"{metrics.collisions} (least gap {_number(metrics.min_clearance_m, 'm', 3)})"),
+        ("localization error", f"{_number(metrics.localization_rmse_m, 'm', 3)} rms"),
+        ("radio", f"{traffic}, peak {metrics.radio_peak_bps / 1e3:.0f} kbit/s"),
+        ("speed", f"{_number(metrics.real_time_factor, 'x real time')}, start-up {_number(metrics.startup_s, 's')}"),
+    ]
+
+
+def _number(value: float | None, unit: str, digits: int = 1) -> str:
+    return "-" if value is None else f"{value:.{digits}f} {unit}".rstrip()

@@ -1,0 +1,226 @@
+"""The numbers of a run, as ``metrics.json`` holds them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from bringup.layout import make_scene, robot_types
+from bringup.scenario import Scenario
+from bringup.supervisor import Supervisor, Verdict
+from swarm_agent.planning.path_planner import lower_bound_planner
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.types import FloatArray
+from swarm_sim.metrics.displacement import displacement_bound, path_lengths
+from swarm_sim.metrics.localization import LocalizationError, localization_error
+from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
+from swarm_sim.metrics.settling import Settling, settling
+from swarm_sim.metrics.trace import Trace, TraceRecorder
+
+WARM_UP_S = 60.0  # spec 14.5: before it, robots without position sensor are still finding out where they are
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """How a run went by the wall clock.
+
+    Attributes
+    ----------
+    startup_s : float
+        From the start of the engine to the first tick [s].
+    wall_time_s : float
+        From the first tick to the last [s].
+    """
+
+    startup_s: float
+    wall_time_s: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """A run that is over.
+
+    Attributes
+    ----------
+    recorder : TraceRecorder
+    supervisor : Supervisor
+    verdict : Verdict
+    timing : Timing
+    """
+
+    recorder: TraceRecorder
+    supervisor: Supervisor
+    verdict: Verdict
+    timing: Timing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FormationMetrics:
+    """All keys of ``metrics.json`` of a formation run; None is a number that does not apply.
+
+    The first group is common to all families, the second belongs to formation, the third is beyond the contract.
+    """
+
+    scenario: str
+    family: str
+    method: str
+    seed: int
+    engine: str
+    physics: str
+    robots: int
+    achieved: bool
+    reason: str
+    ticks: int
+    sim_time_s: float
+    wall_time_s: float
+    real_time_factor: float | None
+    startup_s: float
+    total_displacement_m: float
+    displacement_lower_bound_m: float | None
+    settling_time_s: float | None
+    collisions: int
+    min_clearance_m: float | None
+    localization_rmse_m: float | None
+    localization_max_m: float | None
+    radio_frames: int
+    radio_bytes: int
+    radio_peak_bps: float
+    lost_robots: int
+
+    mesh_topological: float | None
+    mesh_geometrical: float | None
+    goals_reached: int
+
+    displacement_ratio: float | None
+    bottleneck_time_s: float | None
+    inside_fraction: float | None
+    speed_p90_m_s: float | None
+    localization_p99_m: float | None
+    radio_dropped_frames: int
+    mesh_topological_interior: float | None
+    mesh_geometrical_cells: float | None
+    cell_area_variation: float | None
+    gap_variation: float | None
+    covered_fraction: float | None
+
+    def to_json(self) -> str:
+        """Return the text of ``metrics.json``."""
+        return json.dumps(asdict(self), indent=2, allow_nan=False) + "\n"
+
+
+def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> FormationMetrics:
+    """Evaluate a run of a resolved scenario, finished or not."""
+    trace, totals = outcome.recorder.trace(), outcome.recorder.totals()
+    verdict, timing, plan = outcome.verdict, outcome.timing, outcome.supervisor.plan
+    live = _live(trace)
+    rest = _settling(scenario, trace, plan, live)
+    displacement = _displacement(trace, rest.time if rest else None)
+    bound, longest = _bound(scenario, trace, plan)
+    quality = _quality(scenario, trace, plan, live)
+    localization = _localization(scenario, trace)
+    sim_time = len(trace.tick_times) * scenario.sim.period_s
+    return FormationMetrics(
+        scenario=scenario.name,
+        family=scenario.family.value,
+        method=scenario.method,
+        seed=scenario.seed,
+        engine=engine,
+        physics=scenario.sim.physics.backend.value,
+        robots=scenario.robots.count,
+        achieved=verdict.achieved,
+        reason=verdict.reason,
+        ticks=len(trace.tick_times),
+        sim_time_s=sim_time,
+        wall_time_s=timing.wall_time_s,
+        real_time_factor=sim_time / timing.wall_time_s if timing.wall_time_s > 0.0 else None,
+        startup_s=timing.startup_s,
+        total_displacement_m=displacement,
+        displacement_lower_bound_m=bound,
+        settling_time_s=rest.time if rest else None,
+        collisions=totals.contacts,
+        min_clearance_m=totals.min_clearance,
+        localization_rmse_m=localization.rmse,
+        localization_max_m=localization.maximum,
+        radio_frames=totals.radio_frames,
+        radio_bytes=totals.radio_bytes,
+        radio_peak_bps=totals.radio_peak_bps,
+        lost_robots=int((~live).sum()),
+        mesh_topological=quality.topological if quality else None,
+        mesh_geometrical=quality.geometrical if quality else None,
+        goals_reached=outcome.supervisor.at_goal,
+        displacement_ratio=displacement / bound if bound else None,
+        bottleneck_time_s=longest / scenario.agent.control.speed_max_m_s if longest is not None else None,
+        inside_fraction=rest.inside_fraction if rest else None,
+        speed_p90_m_s=rest.speed_p90 if rest else None,
+        localization_p99_m=localization.p99,
+        radio_dropped_frames=totals.radio_dropped,
+        mesh_topological_interior=quality.topological_interior if quality else None,
+        mesh_geometrical_cells=quality.geometrical_cells if quality else None,
+        cell_area_variation=quality.area_variation if quality else None,
+        gap_variation=quality.gap_variation if quality else None,
+        covered_fraction=quality.covered_fraction if quality else None,
+    )
+
+
+def path_costs(scenario: Scenario, starts: FloatArray, plan: Plan) -> FloatArray:
+    """Return the shortest obstacle-free path from each start to each goal, (n, g), inf where there is none [m].
+
+    Obstacles are grown by less than the robots' radius, so that no robot can do better.
+    """
+    costs = np.full((len(starts), len(plan.goals)), np.inf)
+    for robot, kind in enumerate(robot_types(scenario)):
+        planner = lower_bound_planner(plan.obstacles, kind.coverage_radius_m)
+        mine = plan.goal_types == kind.type
+        costs[robot, mine] = planner.costs(starts[robot], plan.goals[mine])
+    return costs
+
+
+def _live(trace: Trace) -> np.ndarray:
+    """Return who was alive in the last tick, (n,) bool; everybody before the first."""
+    return trace.alive[-1] if len(trace.alive) else np.ones(len(trace.robots), dtype=bool)
+
+
+def _settling(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarray) -> Settling | None:
+    if plan is None or not live.any() or not len(trace.sample_times):
+        return None
+    return settling(
+        trace.sample_times,
+        trace.positions[:, live],
+        trace.velocities[:, live],
+        plan.contour,
+        speed_max=scenario.success.speed_max_m_s,
+        hold=scenario.success.hold_s,
+    )
+
+
+def _displacement(trace: Trace, settled: float | None) -> float:
+    """Return the total displacement from the start to settling, or to the end where nothing settled [m]."""
+    end = len(trace.sample_times) if settled is None else int(np.searchsorted(trace.sample_times, settled)) + 1
+    return float(path_lengths(trace.positions[:end], trace.sample_rate).sum())
+
+
+def _bound(scenario: Scenario, trace: Trace, plan: Plan | None) -> tuple[float | None, float | None]:
+    """Return the displacement bound and the longest path in it [m]."""
+    if plan is None or not len(trace.positions):
+        return None, None
+    types = np.array([kind.type for kind in robot_types(scenario)], dtype=np.int64)
+    bound = displacement_bound(path_costs(scenario, trace.positions[0], plan), types, plan.goal_types)
+    return (bound.total, bound.longest) if bound else (None, None)
+
+
+def _quality(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarray) -> MeshQuality | None:
+    if plan is None or not live.any() or not len(trace.positions):
+        return None
+    radii = np.array([kind.coverage_radius_m for kind in robot_types(scenario)])
+    return mesh_quality(trace.positions[-1, live], radii[live], plan.contour)
+
+
+def _localization(scenario: Scenario, trace: Trace) -> LocalizationError:
+    """Return the error of the robots without position sensor after the warm-up; of all robots if all carry one."""
+    blind = np.array([not robot.has_position_sensor for robot in make_scene(scenario).robots])
+    counts = trace.alive.copy()
+    if blind.any():
+        counts &= blind[None, :] & (trace.tick_times >= WARM_UP_S)[:, None]
+    return localization_error(trace.estimates, trace.tick_positions, counts)

@@ -1,0 +1,113 @@
+"""The folder that receives a run's results: checked before the start, written file by file, never half."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from bringup.layout import robot_types
+from bringup.scenario import Scenario
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_sim.metrics.trace import Trace
+
+ATTEMPTS = 100  # default folders that may start in one second with one scenario and seed
+
+
+class RunFolder:
+    """A folder of one run.
+
+    Parameters
+    ----------
+    path : Path
+        Made with its parents if missing; must be empty.
+
+    Raises
+    ------
+    ConfigError
+        If it is in use or cannot be written; then nothing was made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._made: list[Path] = []
+        try:
+            for folder in reversed([folder for folder in (path, *path.parents) if not folder.exists()]):
+                folder.mkdir()
+                self._made.append(folder)
+            if any(path.iterdir()):
+                raise ConfigError(f"--out {path}: is not empty; give a new folder, or remove it first")
+            with tempfile.TemporaryFile(dir=path):
+                pass
+        except OSError as error:
+            self.release()
+            raise ConfigError(
+                f"--out {path}: cannot be written ({error.strerror}); give a folder that you may write to"
+            ) from None
+
+    def release(self) -> None:
+        """Remove the folders that were made, as far as nothing was put into them."""
+        for folder in reversed(self._made):
+            try:
+                folder.rmdir()
+            except OSError:
+                return
+        self._made = []
+
+    def write(self, name: str, data: bytes) -> Path:
+        """Write one file; whoever looks sees the whole file or none. Returns its path."""
+        target = self.path / name
+        draft = self.path / f".{name}.part"
+        draft.write_bytes(data)
+        os.replace(draft, target)
+        return target
+
+
+def reserve_default(scenario: Scenario, parent: Path) -> RunFolder:
+    """Return a new folder ``<time>-<scenario>-<seed>`` under `parent`.
+
+    Raises
+    ------
+    ConfigError
+        If it cannot be made.
+    """
+    stem = f"{time.strftime('%Y%m%d-%H%M%S')}-{scenario.name}-{scenario.seed}"
+    names = (stem, *(f"{stem}-{number}" for number in range(2, ATTEMPTS)))
+    path = next((parent / name for name in names if not (parent / name).exists()), parent / stem)
+    return RunFolder(path)
+
+
+def trajectory_arrays(scenario: Scenario, trace: Trace, plan: Plan | None) -> Mapping[str, np.ndarray]:
+    """Return what ``trajectories.npz`` holds, by name; SI units, rows in the order of robot ids.
+
+    Motion samples: ``time`` (s,), ``position``, ``velocity`` (s, n, 2). Ticks: ``tick_time`` (t,), ``yaw``, ``alive``,
+    ``mode``, ``goal`` (t, n), ``estimate`` (t, n, 2). Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,).
+    Final plan: ``contour`` (k, 2), ``goals`` (g, 2), ``goal_type`` (g,). Obstacles: all corners in ``obstacle_corners``
+    (c, 2), of which obstacle i has ``obstacle_sizes[i]``.
+    """
+    types = robot_types(scenario)
+    obstacles = [obstacle.polygon() for obstacle in scenario.map.obstacles]
+    return {
+        "time": trace.sample_times,
+        "position": trace.positions,
+        "velocity": trace.velocities,
+        "tick_time": trace.tick_times,
+        "yaw": trace.yaws,
+        "alive": trace.alive,
+        "mode": trace.modes,
+        "goal": trace.goals,
+        "estimate": trace.estimates,
+        "robot": np.array(trace.robots, dtype=np.int64),
+        "robot_type": np.array([kind.type for kind in types], dtype=np.int64),
+        "coverage_radius": np.array([kind.coverage_radius_m for kind in types]),
+        "contour": plan.contour if plan else np.empty((0, 2)),
+        "goals": plan.goals if plan else np.empty((0, 2)),
+        "goal_type": plan.goal_types if plan else np.empty(0, dtype=np.int64),
+        "obstacle_corners": np.concatenate([np.empty((0, 2)), *obstacles]),
+        "obstacle_sizes": np.array([len(obstacle) for obstacle in obstacles], dtype=np.int64),
+    }

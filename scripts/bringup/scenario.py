@@ -1,0 +1,177 @@
+"""What a run is: world, shape, robots, settings and seed, as one strict configuration that a YAML file holds."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, fields
+from enum import Enum
+
+from mission_computer.config import MissionConfig
+from mission_computer.shape.arena import Obstacle
+from swarm_agent.config import AgentConfig
+from swarm_msgs_py.config import Config, section, setting
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.robots import RobotType
+from swarm_sim.config import SimConfig
+
+
+class Family(Enum):
+    """Families of behavior."""
+
+    FORMATION = "formation"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeSpec(Config):
+    """The contour to form: a library name, a file, or points, and how it is placed."""
+
+    name: str | None = setting(None, "library shape; beside a file or points it is only what to call them")
+    file: str | None = setting(None, "GeoJSON or JSON file, relative to the scenario's own folder")
+    points: tuple[tuple[float, float], ...] | None = setting(None, "contour [x, y], once around", unit="m")
+    scale: float = setting(1.0, "size factor about the center of area", above=0.0, maximum=1e4)
+    rotation_deg: float = setting(0.0, "turn about the center of area, counter-clockwise", unit="deg")
+    translation_m: tuple[float, float] = setting((0.0, 0.0), "shift after that", unit="m")
+
+    def __post_init__(self) -> None:
+        """Check that there is exactly one source of points."""
+        Config.__post_init__(self)
+        if self.file is not None and self.points is not None:
+            raise ConfigError("file and points are both given; remove one of them")
+        if self.file is None and self.points is None and self.name is None:
+            raise ConfigError("no shape; give one of name, file or points")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapSpec(Config):
+    """The arena: a named map, a map file, or bounds and obstacles written here."""
+
+    name: str | None = setting(None, "map of the package; beside bounds_m it is only what to call them")
+    file: str | None = setting(None, "JSON file, relative to the scenario's own folder")
+    bounds_m: tuple[float, float, float, float] | None = setting(
+        None, "least x, least y, greatest x, greatest y", unit="m"
+    )
+    obstacles: tuple[Obstacle, ...] = setting((), "walls, with bounds_m")
+
+    def __post_init__(self) -> None:
+        """Check that there is exactly one source, and that bounds enclose something."""
+        Config.__post_init__(self)
+        if self.file is not None and self.bounds_m is not None:
+            raise ConfigError("file and bounds_m are both given; remove one of them")
+        if self.bounds_m is None and self.obstacles:
+            raise ConfigError("obstacles need bounds_m beside them; add bounds_m, or put the obstacles into the map")
+        if self.bounds_m is None and self.file is None and self.name is None:
+            raise ConfigError("no map; give one of name, file or bounds_m")
+        if self.bounds_m is not None:
+            x_min, y_min, x_max, y_max = self.bounds_m
+            if x_min >= x_max or y_min >= y_max:
+                raise ConfigError(f"bounds_m must be [x_min, y_min, x_max, y_max] in order, got {list(self.bounds_m)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotGroup(RobotType):
+    """Robots of one type; types 1 to 3 may leave out what table 4.1 says of them."""
+
+    count: int = setting(help="number of robots of this type", minimum=0, maximum=1000)
+
+    def robot_type(self) -> RobotType:
+        """Return the type alone."""
+        return RobotType(**{f.name: getattr(self, f.name) for f in fields(RobotType)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartSpec(Config):
+    """Where robots stand at the start."""
+
+    half_side_m: float = setting(45.0, "uniform in |x|, |y| <= this, drawn from the seed", unit="m", above=0.0)
+    gap_m: float = setting(0.3, "least free gap to robots, obstacles and the arena's edge", unit="m", minimum=0.0)
+    positions_m: tuple[tuple[float, float], ...] | None = setting(
+        None, "instead: one [x, y] per robot, in the order of the types", unit="m"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotsSpec(Config):
+    """The swarm."""
+
+    types: tuple[RobotGroup, ...] = setting(help="one entry per robot type, with its count")
+    start: StartSpec = section(StartSpec, "start points")
+    position_sensor_share: float = setting(
+        1.0, "share of the robots that carry a position sensor, spread over the types", minimum=0.0, maximum=1.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check that there are robots, that types are told once, and that start points fit the robots."""
+        Config.__post_init__(self)
+        for number, times in sorted(Counter(group.type for group in self.types).items()):
+            if times > 1:
+                raise ConfigError(f"types lists type {number} {times} times; merge them into one entry")
+        if self.count == 0:
+            raise ConfigError("types has no robots; set the count of at least one type to 1 or more")
+        points = self.start.positions_m
+        if points is not None and len(points) != self.count:
+            raise ConfigError(
+                f"start.positions_m has {len(points)} points for {self.count} robots; give one per robot, or remove it"
+            )
+
+    @property
+    def count(self) -> int:
+        """Number of robots."""
+        return sum(group.count for group in self.types)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SuccessSpec(Config):
+    """When the mission counts as achieved, on true states (spec 14.4)."""
+
+    speed_max_m_s: float = setting(
+        0.01, "robots below this speed are at rest (thesis eq. (4.1))", unit="m/s", above=0.0
+    )
+    hold_s: float = setting(3.0, "how long all must be at rest inside the shape", unit="s", minimum=0.0)
+    goal_tolerance_m: float = setting(0.25, "largest distance of a robot from its goal", unit="m", above=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario(Config):
+    """One run, completely."""
+
+    name: str = setting(help="name of the scenario; also part of the run folder's name")
+    family: Family = setting(Family.FORMATION, "family of behavior")
+    description: str = setting("", "one line for people")
+    seed: int = setting(1, "seed of everything that is drawn", minimum=0, maximum=2**32 - 1)
+    duration_s: float = setting(300.0, "simulated time after which the mission counts as failed", unit="s", above=0.0)
+    shape: ShapeSpec = setting(help="the contour to form")
+    map: MapSpec = setting(help="the arena")
+    robots: RobotsSpec = setting(help="the swarm")
+    success: SuccessSpec = section(SuccessSpec, "when the mission is achieved")
+    sim: SimConfig = section(SimConfig, "the world")
+    agent: AgentConfig = section(AgentConfig, "every robot's software")
+    mission: MissionConfig = section(MissionConfig, "the mission computer; mission.partition.method is the method")
+
+    def __post_init__(self) -> None:
+        """Check that the name can be a part of a folder's name."""
+        Config.__post_init__(self)
+        if not self.name or not all(letter.isalnum() or letter in "-_." for letter in self.name):
+            raise ConfigError(f"name must be letters, digits, '-', '_' and '.', got '{self.name}'")
+
+    @property
+    def method(self) -> str:
+        """Method by which the family does its work, as metrics and the command line name it."""
+        return self.mission.partition.method.value
+
+
+def rescaled_counts(counts: tuple[int, ...], total: int) -> tuple[int, ...]:
+    """Return counts that sum to `total` in the proportions of `counts` (largest remainder, first come first).
+
+    Parameters
+    ----------
+    counts : tuple of int
+        At least one is positive.
+    total : int
+    """
+    shares = [total * count / sum(counts) for count in counts]
+    whole = [math.floor(share) for share in shares]
+    by_remainder = sorted(range(len(counts)), key=lambda index: (whole[index] - shares[index], index))
+    for index in by_remainder[: total - sum(whole)]:
+        whole[index] += 1
+    return tuple(whole)

@@ -1,0 +1,154 @@
+"""Decides when a formation run is over: achieved, or not any more to be achieved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from bringup.engine import TickRecord
+from bringup.scenario import SuccessSpec
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import MISSION, NodeId, robot_name
+from swarm_sim.metrics.settling import settled_samples
+
+NAMED_MAX = 4  # robots that a one-line reason names
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How a run ended.
+
+    Attributes
+    ----------
+    achieved : bool
+    reason : str
+        One line for the operator.
+    """
+
+    achieved: bool
+    reason: str
+
+
+class Supervisor:
+    """Watches the records of a run, from true states alone (spec 14.4); the robots never hear of it.
+
+    Parameters
+    ----------
+    robots : tuple of NodeId
+        All robots, ascending.
+    success : SuccessSpec
+    period_s : float
+        Duration of a tick [s].
+    duration_s : float
+        Simulated time limit [s].
+
+    Attributes
+    ----------
+    plan : Plan or None
+        The plan in force.
+    goals : dict of NodeId to int
+        Goal that each robot last reported, -1 for none.
+    at_goal : int
+        Live robots within tolerance of their goal at the end of the last tick.
+    """
+
+    def __init__(self, robots: tuple[NodeId, ...], success: SuccessSpec, period_s: float, duration_s: float) -> None:
+        self._robots = robots
+        self._success = success
+        self._period = period_s
+        self._duration = duration_s
+        self._contour: shapely.Polygon | None = None
+        self._settled_since: float | None = None
+        self._modes: dict[NodeId, Mode] = {}
+        self._distances: dict[NodeId, float] = {}
+        self._lost: frozenset[NodeId] = frozenset()
+        self.plan: Plan | None = None
+        self.goals: dict[NodeId, int] = {}
+        self.at_goal = 0
+
+    def watch(self, record: TickRecord) -> Verdict | None:
+        """Take in one tick; return the verdict when there is one."""
+        self._take(record)
+        rows = np.array([row for row, robot in enumerate(self._robots) if robot not in self._lost], dtype=np.int64)
+        end = record.truth.time + self._period
+        if not len(rows):
+            return Verdict(False, f"all {len(self._robots)} robots are lost; see the alerts for why")
+        if MISSION in self._lost and self.plan is None:
+            return Verdict(False, "the mission computer died before it made a plan; see the alerts for why")
+        self._watch_motion(record, rows)
+        held = end - self._settled_since if self._settled_since is not None else -1.0
+        # Sample times are sums of fractions of a tick; a hold may fall short of itself by rounding.
+        if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows):
+            return Verdict(True, f"shape formed: {self._tally()}, at rest since {self._settled_since:.1f} s")
+        if end >= self._duration - 1e-9:
+            return Verdict(False, f"time limit of {self._duration:g} s: {self._tally()}{self._shortfall()}")
+        return None
+
+    def interrupted(self, time: float) -> Verdict:
+        """Return the verdict of a run that the operator ended at `time` [s]."""
+        return Verdict(False, f"interrupted by the operator at {time:.1f} s: {self._tally()}")
+
+    def _take(self, record: TickRecord) -> None:
+        dead = {robot for robot, alive in zip(self._robots, record.truth.alive, strict=True) if not alive}
+        self._lost = record.lost | dead
+        for robot, report in record.reports.items():
+            self.goals[robot], self._modes[robot] = report.goal, report.mode
+        if record.plan is not None:
+            self.plan = record.plan
+            self._contour = shapely.Polygon(record.plan.contour)
+            shapely.prepare(self._contour)
+            self._settled_since = None
+
+    def _watch_motion(self, record: TickRecord, rows: np.ndarray) -> None:
+        """Update who is at the goal, and since when everybody has been at rest inside the contour."""
+        samples, speeds = record.truth.samples[:, rows], record.truth.sample_velocities[:, rows]
+        self._distances = self._goal_distances(record, rows)
+        self.at_goal = sum(d <= self._success.goal_tolerance_m for d in self._distances.values())
+        if self._contour is None:
+            return
+        settled = settled_samples(samples, speeds, self._contour, self._success.speed_max_m_s)
+        unsettled = np.flatnonzero(~settled)
+        first = int(unsettled[-1]) + 1 if len(unsettled) else 0
+        if first == len(settled):
+            self._settled_since = None
+        elif len(unsettled) or self._settled_since is None:
+            self._settled_since = record.truth.time + self._period * (first + 1) / len(settled)
+
+    def _goal_distances(self, record: TickRecord, rows: np.ndarray) -> dict[NodeId, float]:
+        """Return the distance of each live robot from its goal at the end of the tick [m], inf without a goal."""
+        count = 0 if self.plan is None else len(self.plan.goals)
+        distances = {}
+        for row in rows:
+            robot = self._robots[row]
+            goal = self.goals.get(robot, -1)
+            distances[robot] = float("inf")
+            if self.plan is not None and 0 <= goal < count:
+                offset = record.truth.samples[-1, row] - self.plan.goals[goal]
+                distances[robot] = float(np.hypot(*offset))
+        return distances
+
+    def _tally(self) -> str:
+        lost = len(self._lost - {MISSION})
+        dead = f", {lost} lost" if lost else ""
+        return f"{self.at_goal} of {len(self._robots) - lost} robots at their goals{dead}"
+
+    def _shortfall(self) -> str:
+        """Return who is not at the goal, and how far from it."""
+        if self.plan is None:
+            return "; no plan was made"
+        blind = sum(self._modes.get(robot, Mode.WAITING) is Mode.WAITING for robot in self._distances)
+        if blind:
+            return f"; {blind} have no position (robots.position_sensor_share)"
+        far = sorted(
+            ((-d, robot) for robot, d in self._distances.items() if d > self._success.goal_tolerance_m),
+        )
+        if not far:
+            return "; not at rest inside the shape"
+        named = ", ".join(
+            f"{robot_name(robot)} {-d:.1f} m away" if np.isfinite(d) else f"{robot_name(robot)} without a goal"
+            for d, robot in far[:NAMED_MAX]
+        )
+        return f"; {named}{', ...' if len(far) > NAMED_MAX else ''}"

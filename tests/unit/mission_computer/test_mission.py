@@ -1,0 +1,245 @@
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from mission_computer.config import MissionConfig
+from mission_computer.mission import Mission
+from mission_computer.roster import Roster
+from mission_computer.shape import load_shape
+from swarm_msgs_py.body_codec import decode_body, encode_body
+from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest
+from swarm_msgs_py.messages.radio import Delivery, Presence
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
+from swarm_msgs_py.types import EVERYONE, MISSION, FloatArray, NodeId
+
+PERIOD = 0.5
+SQUARE = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]])
+WALL = np.array([[10.1, 0.0], [11.0, 0.0], [11.0, 3.0]])
+ROSTER = Roster.of([*THESIS_TYPES, THESIS_TYPES[0]])
+
+
+class Radio:
+    """A robot that is nothing but a radio within reach of the mission computer."""
+
+    def __init__(self, robot: int, epoch: int = 0) -> None:
+        self.id = NodeId(robot)
+        self.epoch = epoch
+        self.heard: list[Delivery] = []
+        self.mesh = MeshNetwork(self.id, NetworkConfig(), PERIOD)
+
+    @property
+    def plans(self) -> list[Plan]:
+        bodies = [decode_body(delivery.body) for delivery in self.heard]
+        return [body for body in bodies if isinstance(body, Plan)]
+
+    def tell(self, body: Report | RowRequest) -> None:
+        assert self.mesh.send(MISSION, encode_body(body))
+
+    def report(self, epoch: int, mode: Mode = Mode.TRAVELING) -> None:
+        self.tell(Report(self.id, 1, epoch, 0, (1.0, 2.0), int(mode)))
+
+
+class Air:
+    """Steps a mission computer and radios, all within range of each other, in lockstep."""
+
+    def __init__(self, mission: Mission, *radios: Radio) -> None:
+        self.mission, self.radios, self.tick = mission, radios, 0
+        self.said: dict[NodeId, Sequence[bytes]] = {}
+
+    def step(self, shape: FloatArray | None = None) -> MissionOutputs:
+        heard = {node: tuple(f for other, fs in self.said.items() if other != node for f in fs) for node in self.nodes}
+        outputs = self.mission.step(MissionInputs(self.tick, self.tick * PERIOD, heard[MISSION], shape))
+        said: dict[NodeId, Sequence[bytes]] = {MISSION: outputs.outbox}
+        for radio in self.radios:
+            radio.heard += radio.mesh.receive(self.tick, heard[radio.id])
+            presence = Presence(np.zeros(2), np.zeros(2), 0.0, 1, True, 0, radio.epoch, 0)
+            said[radio.id] = radio.mesh.transmit(self.tick, presence)
+        self.said = said
+        self.tick += 1
+        return outputs
+
+    @property
+    def nodes(self) -> list[NodeId]:
+        return [MISSION, *(radio.id for radio in self.radios)]
+
+    def run(self, ticks: int) -> MissionOutputs:
+        return [self.step() for _ in range(ticks)][-1]
+
+
+def make_mission(shape: FloatArray = SQUARE) -> Mission:
+    return Mission(MissionConfig(), NetworkConfig(), ROSTER, (WALL,), shape, PERIOD, seed=1)
+
+
+def test_the_first_step_plans_the_first_shape() -> None:
+    outputs = Air(make_mission()).step()
+
+    assert outputs.plan is not None
+    assert outputs.plan.epoch == outputs.report.epoch == 1
+    assert sorted(outputs.plan.goal_types) == [1, 1, 2, 3]
+    assert len(outputs.plan.goals) == 4
+
+
+def test_the_plan_is_handed_out_only_in_the_tick_in_which_it_changed() -> None:
+    air = Air(make_mission())
+    air.step()
+
+    assert air.step().plan is None
+
+
+def test_a_robot_hears_exactly_the_numbers_that_viewers_see() -> None:
+    radio = Radio(0)
+    air = Air(make_mission(load_shape("hw_3_pentagon", scale=9.7)), radio)
+
+    published = air.step().plan
+    air.run(3)
+
+    assert published is not None
+    (heard,) = radio.plans
+    for mine, theirs in zip(
+        (published.contour, published.goals, published.goal_types, *published.obstacles),
+        (heard.contour, heard.goals, heard.goal_types, *heard.obstacles),
+        strict=True,
+    ):
+        np.testing.assert_array_equal(mine, theirs)
+
+
+def test_the_plan_is_repeated_until_the_robot_reports_it() -> None:
+    radio = Radio(0)
+    air = Air(make_mission(), radio)
+    air.run(24)  # floods at 0, 2, 5, 9.5 s
+    repeated = len(radio.plans)
+
+    radio.report(epoch=1)
+    radio.epoch = 1
+    air.run(3)
+    told = len(radio.plans)
+    outputs = air.run(60)
+
+    assert repeated == 4
+    assert outputs.report.informed == outputs.report.reachable == (0,)
+    assert len(radio.plans) == told
+
+
+def test_a_neighbor_whose_hello_carries_the_epoch_counts_as_informed() -> None:
+    radio = Radio(0, epoch=1)
+    air = Air(make_mission(), radio)
+
+    outputs = air.run(30)
+
+    assert outputs.report.informed == (0,)
+    assert len(radio.plans) == 1
+
+
+def test_who_asks_for_the_plan_gets_it_and_who_has_it_does_not() -> None:
+    behind, current = Radio(0, epoch=1), Radio(1, epoch=1)
+    air = Air(make_mission(), behind, current)
+    air.run(6)
+    before = len(behind.plans), len(current.plans)
+
+    behind.tell(RowRequest(0, ()))
+    current.tell(RowRequest(1, ()))
+    air.run(6)
+
+    assert (len(behind.plans), len(current.plans)) == (before[0] + 1, before[1])
+
+
+def test_a_new_shape_becomes_the_next_plan() -> None:
+    air = Air(make_mission(), Radio(0))
+    air.run(3)
+
+    outputs = air.step(SQUARE + 20.0)
+
+    assert outputs.plan is not None
+    assert outputs.plan.epoch == 2
+    assert outputs.plan.goals.min() > 20.0
+    assert outputs.report.informed == ()
+
+
+BAD_SHAPES = {
+    "too small": (0.3 * SQUARE, "too small for 4 robots: needs"),
+    "crossing": (SQUARE[[0, 2, 1, 3]], "crosses or touches itself at"),
+    "over the wall": (SQUARE + np.array([8.0, 0.0]), r"obstacle 1 at \(10\.7, 1\.0\) covers"),
+    "not finite": (SQUARE + np.array([0.0, np.nan]), "must be a finite number"),
+    "empty": (np.empty((0, 2)), "at least 3"),
+}
+
+
+@pytest.mark.parametrize(("shape", "complaint"), BAD_SHAPES.values(), ids=BAD_SHAPES)
+def test_a_refused_shape_leaves_the_plan_and_says_why(shape: FloatArray, complaint: str) -> None:
+    air = Air(make_mission())
+    air.step()
+
+    outputs = air.step(shape)
+
+    assert outputs.plan is None
+    assert outputs.report.epoch == 1
+    with pytest.raises(AssertionError, match=f"^shape refused: .*{complaint}.*plan 1 stays in force$"):
+        raise AssertionError(outputs.report.notice)
+    assert air.step().report.notice == ""
+
+
+def test_a_refused_first_shape_leaves_no_plan_and_a_good_one_may_follow() -> None:
+    air = Air(make_mission(0.2 * SQUARE))
+
+    first, second = air.step(), air.step(SQUARE)
+
+    assert first.report.epoch == 0
+    assert "there is no plan yet" in first.report.notice
+    assert second.report.epoch == 1
+
+
+def test_a_restarted_mission_computer_overtakes_the_plan_that_the_robots_hold() -> None:
+    radio = Radio(0, epoch=7)
+    air = Air(make_mission(), radio)
+
+    outputs = [air.step() for _ in range(6)]
+
+    assert outputs[-1].report.epoch == 8
+    assert [o.plan.epoch for o in outputs if o.plan is not None] == [1, 8]
+    assert [plan.epoch for plan in radio.plans] == [1, 8]
+
+
+def test_robots_that_report_to_be_parked_are_listed_while_the_plan_stands() -> None:
+    radios = [Radio(3), Radio(1), Radio(2)]
+    air = Air(make_mission(), *radios)
+    air.run(8)
+
+    for radio, mode in zip(radios, (Mode.PARKED, Mode.PARKED, Mode.TRAVELING), strict=True):
+        radio.report(epoch=1, mode=mode)
+    parked = air.run(3).report.parked
+
+    assert parked == (1, 3)
+    assert air.step(SQUARE + 20.0).report.parked == ()
+
+
+def test_bodies_that_are_not_one_are_counted_and_dropped() -> None:
+    radio = Radio(0)
+    air = Air(make_mission(), radio)
+    air.run(4)
+
+    radio.mesh.flood(b"\xff\x00nonsense")
+    outputs = air.run(3)
+
+    assert outputs.report.counters.corrupt == 1
+
+
+def test_equal_missions_say_the_same_bytes() -> None:
+    first, second = Air(make_mission(), Radio(0)), Air(make_mission(), Radio(0))
+
+    assert [first.step().outbox for _ in range(12)] == [second.step().outbox for _ in range(12)]
+
+
+def test_its_hello_shows_a_fixed_antenna_that_is_no_robot() -> None:
+    radio = Radio(0)
+    Air(make_mission(), radio).run(3)
+
+    presence = radio.mesh.neighbors[MISSION]
+
+    assert (presence.robot_type, presence.is_beacon, presence.epoch) == (0, False, 1)
+    assert presence.position.tolist() == [0.0, 0.0]
+    assert EVERYONE not in radio.mesh.neighbors

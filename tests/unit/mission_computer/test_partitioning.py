@@ -1,0 +1,116 @@
+import re
+
+import numpy as np
+import pytest
+from shapely import Point, Polygon
+
+from mission_computer.partition import PartitionConfig, check_fits, partition
+from mission_computer.partition.config import Gaps
+from mission_computer.roster import Roster
+from mission_computer.shape import library_names, load_shape
+from mission_computer.shape.arena import load_arena
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.robots import THESIS_TYPES
+
+ARENA = load_arena("arena_main")
+TABLE = load_arena("arena_table")
+NARROW = PartitionConfig(gaps=Gaps(robot_m=0.03, contour_m=0.02, obstacle_m=0.05))
+
+
+@pytest.mark.parametrize("name", library_names())
+def test_every_library_shape_holds_the_swarm_that_it_is_made_for(name: str) -> None:
+    arena, config = (TABLE, NARROW) if name.startswith("hw_") else (ARENA, PartitionConfig())
+    contour = load_shape(name)
+
+    goals = partition(contour, arena.roster, arena.obstacle_polygons(), config)
+
+    radii = arena.roster.radii_of(goals.types)
+    border = Polygon(contour).exterior
+    apart = np.linalg.norm(goals.positions[:, None] - goals.positions, axis=2) - radii[:, None] - radii
+    np.fill_diagonal(apart, np.inf)
+    assert sorted(goals.types) == sorted(arena.roster.interleaved_types())
+    assert apart.min() >= config.gaps.robot_m - 1e-5
+    assert all(Polygon(contour).contains(Point(p)) for p in goals.positions)
+    assert min(border.distance(Point(p)) - r for p, r in zip(goals.positions, radii, strict=True)) >= (
+        config.gaps.contour_m - 1e-5
+    )
+
+
+def test_each_type_is_spread_over_the_whole_shape() -> None:
+    contour = load_shape("formation_3")
+    goals = partition(contour, ARENA.roster)
+
+    for number in (1, 2, 3):
+        own = goals.positions[goals.types == number]
+        # In every half of the shape, cut any way through the center, stands at least a quarter of each type.
+        for angle in np.linspace(0.0, np.pi, 6, endpoint=False):
+            side = (own - contour.mean(axis=0)) @ [np.cos(angle), np.sin(angle)] > 0.0
+            assert 0.25 <= side.mean() <= 0.75
+
+
+@pytest.mark.parametrize("scale", [0.05, 0.2, 0.35])
+def test_the_scale_that_is_asked_for_is_enough_and_little_less_is_not(scale: float) -> None:
+    contour = load_shape("formation_2", scale=scale)
+
+    with pytest.raises(ShapeError, match=r"a shape of .* m2 is too .*: needs .* m2; scale it by at least") as caught:
+        partition(contour, ARENA.roster)
+
+    found = re.search(r"at least ([\d.]+)", str(caught.value))
+    assert found is not None
+    asked = float(found[1])
+    check_fits(load_shape("formation_2", scale=scale * asked), ARENA.roster)
+    with pytest.raises(ShapeError):
+        check_fits(load_shape("formation_2", scale=scale * asked * 0.9), ARENA.roster)
+
+
+def test_a_corridor_too_narrow_names_the_types_that_do_not_fit() -> None:
+    corridor = np.array([[0.0, 0.0], [200.0, 0.0], [200.0, 1.0], [0.0, 1.0]])
+
+    with pytest.raises(ShapeError, match=r"too narrow for robots of type 3 \(radius 0\.5 m\): needs"):
+        check_fits(corridor, ARENA.roster)
+
+
+def test_where_turns_leave_no_room_large_robots_go_first() -> None:
+    roster = Roster.of([THESIS_TYPES[0]] * 6 + [THESIS_TYPES[2]] * 4)
+    tightest = None
+    for side in np.arange(4.0, 2.5, -0.02):
+        square = np.array([[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]])
+        try:
+            check_fits(square, roster)
+        except ShapeError:
+            break
+        tightest = square
+
+    assert tightest is not None
+    assert partition(tightest, roster).types.tolist() == [3] * 4 + [1] * 6
+
+
+def test_a_shape_over_an_obstacle_names_it() -> None:
+    contour = load_shape("formation_1", translation=(15.0, 10.0))
+
+    with pytest.raises(ShapeError, match=r"obstacle 2 at \(22\.0, 20\.0\) covers .* m2 of the shape; move"):
+        partition(contour, ARENA.roster, ARENA.obstacle_polygons())
+
+
+def test_goals_keep_clear_of_an_obstacle_that_touches_the_shape() -> None:
+    contour = load_shape("formation_3")
+    right = contour[np.argmax(contour[:, 0])]
+    wall = right + np.array([[0.01, -4.0], [1.0, -4.0], [1.0, 4.0], [0.01, 4.0]])
+    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
+
+    goals = partition(contour, ARENA.roster, (wall,), config)
+
+    radii = ARENA.roster.radii_of(goals.types)
+    gaps = [Polygon(wall).distance(Point(p)) - r for p, r in zip(goals.positions, radii, strict=True)]
+    assert min(gaps) >= 1.5 - 1e-6
+
+
+def test_obstacles_that_leave_no_room_are_to_blame() -> None:
+    square = np.array([[0.0, 0.0], [3.4, 0.0], [3.4, 3.4], [0.0, 3.4]])
+    wall = np.array([[3.41, 0.0], [4.0, 0.0], [4.0, 3.4], [3.41, 3.4]])
+    roster = Roster.of([THESIS_TYPES[2]] * 4)
+    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
+
+    check_fits(square, roster, (), config)
+    with pytest.raises(ShapeError, match="obstacles beside the shape leave too little room"):
+        check_fits(square, roster, (wall,), config)

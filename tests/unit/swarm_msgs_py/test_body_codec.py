@@ -1,0 +1,123 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.frames import decode_body, encode_body
+from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.types import NodeId
+
+TRIANGLE = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
+
+
+def make_row(robot: int = 3, version: int = 2, costs: tuple[int, ...] = (120, UNREACHABLE)) -> CostRow:
+    return CostRow(5, NodeId(robot), 2, version, np.array(costs, dtype=np.int64))
+
+
+def make_plan() -> Plan:
+    return Plan(9, TRIANGLE, (TRIANGLE + 10.0, TRIANGLE - 10.0), np.array([[1.0, 1.0], [0.5, 0.25]]), np.array([1, 3]))
+
+
+def test_plan_survives_the_air() -> None:
+    decoded = decode_body(encode_body(make_plan()))
+
+    assert isinstance(decoded, Plan)
+    assert decoded.epoch == 9
+    assert_allclose(decoded.contour, TRIANGLE)
+    assert len(decoded.obstacles) == 2
+    assert_allclose(decoded.obstacles[1], TRIANGLE - 10.0)
+    assert_allclose(decoded.goals, [[1.0, 1.0], [0.5, 0.25]])
+    assert_array_equal(decoded.goal_types, [1, 3])
+
+
+def test_plan_without_obstacles_and_goals_keeps_its_array_shapes() -> None:
+    decoded = decode_body(encode_body(Plan(1, TRIANGLE, (), np.zeros((0, 2)), np.zeros(0, dtype=np.int64))))
+
+    assert isinstance(decoded, Plan)
+    assert decoded.obstacles == ()
+    assert decoded.goals.shape == (0, 2)
+    assert decoded.goal_types.shape == (0,)
+
+
+def test_cost_row_survives_the_air() -> None:
+    decoded = decode_body(encode_body(make_row()))
+
+    assert isinstance(decoded, CostRow)
+    assert (decoded.epoch, decoded.robot, decoded.robot_type, decoded.version) == (5, 3, 2, 2)
+    assert_array_equal(decoded.costs, [120, UNREACHABLE])
+
+
+def test_withdrawn_row_is_empty() -> None:
+    decoded = decode_body(encode_body(make_row(costs=())))
+
+    assert isinstance(decoded, CostRow)
+    assert decoded.costs.shape == (0,)
+
+
+def test_row_request_survives_the_air() -> None:
+    request = RowRequest(5, ((NodeId(0), 1), (NodeId(49), 65535)))
+
+    assert decode_body(encode_body(request)) == request
+
+
+def test_row_bundle_survives_the_air() -> None:
+    decoded = decode_body(encode_body(RowBundle((make_row(1), make_row(2, 7, (5,))))))
+
+    assert isinstance(decoded, RowBundle)
+    assert [(row.robot, row.version, row.costs.tolist()) for row in decoded.rows] == [
+        (1, 2, [120, UNREACHABLE]),
+        (2, 7, [5]),
+    ]
+
+
+@pytest.mark.parametrize("goal", [-1, 0, 49])
+def test_report_survives_the_air(goal: int) -> None:
+    report = Report(NodeId(4), 1, 70000, goal, (1.5, -2.5), 3)
+
+    assert decode_body(encode_body(report)) == report
+
+
+def test_receivers_share_one_read_only_record() -> None:
+    data = encode_body(make_plan())
+    first = decode_body(data)
+
+    assert decode_body(bytes(bytearray(data))) is first
+    assert isinstance(first, Plan)
+    assert not any(a.flags.writeable for a in (first.contour, first.goals, first.goal_types, *first.obstacles))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        make_row(costs=(-1,)),
+        make_row(costs=(65536,)),
+        make_row(version=65536),
+        Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0),
+        Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0),
+        Plan(1, np.full((3, 2), np.inf), (), TRIANGLE, np.array([1, 1, 1])),
+        Plan(1, TRIANGLE, (), TRIANGLE, np.array([1])),
+        Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
+    ],
+    ids=["negative cost", "cost", "version", "nan", "goal", "infinite contour", "types missing", "type"],
+)
+def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
+    with pytest.raises(FrameError):
+        encode_body(body)
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", "ends early"),
+        (b"\x63", "unknown kind"),
+        (encode_body(make_row()) + b"\x00", "1 bytes too many"),
+        (encode_body(make_row())[:-1], "ends early"),
+        (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))[:-5] + b"\x00\x00\xc0\x7f\x00", "finite"),
+    ],
+    ids=["empty", "kind", "long", "short", "nan"],
+)
+def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
+    with pytest.raises(FrameError, match=reason):
+        decode_body(data)
