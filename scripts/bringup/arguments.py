@@ -11,7 +11,14 @@ from enum import Enum
 from pathlib import Path
 from typing import NoReturn
 
-from bringup.scenario_file import Override, map_override, parse_assignment, scenario_names, shape_override
+from bringup.scenario_file import (
+    ROBOT_COUNT,
+    Override,
+    map_override,
+    parse_assignment,
+    scenario_names,
+    shape_override,
+)
 from swarm_msgs_py.errors import ConfigError
 from swarm_sim.config import Backend
 
@@ -135,7 +142,7 @@ def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
     if given.method is not None:
         overrides.append(Override(f"--method {given.method}", "mission.partition.method", given.method))
     if given.agents is not None:
-        overrides.append(Override(f"--agents {given.agents}", "robots.count", given.agents))
+        overrides.append(Override(f"--agents {given.agents}", ROBOT_COUNT, given.agents))
     if given.seed is not None:
         overrides.append(Override(f"--seed {given.seed}", "seed", given.seed))
     if given.physics is not None:

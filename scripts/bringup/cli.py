@@ -70,6 +70,9 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
             )
             outcome = execute(scenario, engine, interruption, progress)
         metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
+    except OSError as error:
+        print(f"error: {folder.path}: results could not be written ({error.strerror})", file=sys.stderr)
+        return INTERRUPTED if interruption.requested else NOT_ACHIEVED
     finally:
         folder.release()
     if arguments.json:

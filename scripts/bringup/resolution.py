@@ -7,7 +7,9 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import shapely
 
 from bringup.layout import make_scene, robot_types
@@ -17,9 +19,11 @@ from mission_computer.partition import check_fits
 from mission_computer.roster import Roster
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
+from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError, ShapeError
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import FloatArray, robot_name
 from swarm_sim.config import Backend
+from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
 
 
@@ -38,20 +42,20 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     with _blamed(origin, "shape"):
         contour = _contour(scenario.shape)
         assert scenario.map.bounds_m is not None  # just resolved
-        check_inside(contour, scenario.map.bounds_m, "shape")
+        check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(scenario.shape)}'")
         _check_obstacles(contour, scenario)
         obstacles = tuple(obstacle.polygon() for obstacle in scenario.map.obstacles)
         roster = Roster.of(robot_types(scenario))
         check_fits(contour, roster, obstacles, scenario.mission.partition, seed=scenario.seed)
     with _blamed(origin, "robots"):
         scene = make_scene(scenario)
+        _check_reach(contour, scene, scenario)
     with _blamed(origin, "sim"):
         # The world checks how its settings fit together when it is made; the light back end is made in no time.
         light = replace(scenario.sim, physics=replace(scenario.sim.physics, backend=Backend.MASSDAMPER))
         Simulation(light, scene, scenario.seed).close()
     points = tuple((float(x), float(y)) for x, y in contour)
-    name = scenario.shape.name or scenario.shape.file or "inline"
-    return replace(scenario, shape=ShapeSpec(name=name, points=points))
+    return replace(scenario, shape=ShapeSpec(name=_shape_name(scenario.shape), points=points))
 
 
 def contour_of(scenario: Scenario) -> FloatArray:
@@ -77,6 +81,10 @@ def _contour(spec: ShapeSpec) -> FloatArray:
     )
 
 
+def _shape_name(spec: ShapeSpec) -> str:
+    return spec.name or (Path(spec.file).stem if spec.file else "inline shape")
+
+
 def _resolved_map(spec: MapSpec) -> MapSpec:
     if spec.bounds_m is None:
         source = spec.file or spec.name
@@ -86,6 +94,22 @@ def _resolved_map(spec: MapSpec) -> MapSpec:
     for obstacle in spec.obstacles:
         obstacle.polygon()
     return spec
+
+
+def _check_reach(contour: FloatArray, scene: Scene, scenario: Scenario) -> None:
+    """Refuse robots that no path leads into the shape."""
+    center = shapely.get_point(shapely.maximum_inscribed_circle(shapely.Polygon(contour)), 0)
+    target = np.array([[center.x, center.y]])
+    walled_off = []
+    for robot in scene.robots:
+        planner = planner_for(scene.obstacles, robot.type.coverage_radius_m, scenario.agent.planning)
+        if not np.isfinite(planner.costs(np.array(robot.position), target)).all():
+            walled_off.append(robot_name(robot.id))
+    if walled_off:
+        raise ConfigError(
+            f"no path leads from {', '.join(walled_off[:4])}{', ...' if len(walled_off) > 4 else ''} to the shape; "
+            "move the obstacles apart, or start elsewhere (another seed, start.half_side_m, start.positions_m)"
+        )
 
 
 def _check_obstacles(contour: FloatArray, scenario: Scenario) -> None:

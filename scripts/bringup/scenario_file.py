@@ -19,6 +19,8 @@ from swarm_msgs_py.robots import THESIS_TYPES
 
 SCENARIOS = Path(__file__).resolve().parent.parent / "scenarios"
 COMMAND_LINE = "command line"
+ROBOT_COUNT = "robots.count"
+"""Key of an override that rescales the mix of types to this many robots; no key of a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,9 @@ class Origin:
     def of(self, key: str) -> str:
         """Return the place of `key` in an error: the option that set it (or a part of it), else the file."""
         for override in reversed(self.overrides):
-            if f"{key}.".startswith(f"{override.key}.") or f"{override.key}.".startswith(f"{key}."):
+            if f"{key}.".startswith(f"{override.key}."):
+                return override.flag  # it set the whole of it
+            if override.key.startswith(f"{key}."):
                 return f"{override.flag}: {key}"
         return at(self.file, key)
 
@@ -75,7 +79,7 @@ def load_scenario(source: str, overrides: tuple[Override, ...] = ()) -> tuple[Sc
     source : str
         Name of a ready-made scenario, or a YAML file.
     overrides : tuple of Override
-        In the order in which they were given; later ones win. The key ``robots.count`` rescales the mix of types.
+        In the order in which they were given; later ones win.
 
     Raises
     ------
@@ -87,9 +91,12 @@ def load_scenario(source: str, overrides: tuple[Override, ...] = ()) -> tuple[Sc
     scenario = load_config(Scenario, data, str(path))
     if not overrides:
         return scenario, Origin(str(path))
-    data = copy.deepcopy(data)
-    applied = tuple(_apply(data, scenario, override) for override in overrides)
-    return load_config(Scenario, _with_type_defaults(data), COMMAND_LINE), Origin(str(path), applied)
+    try:
+        return _overridden(data, scenario, overrides, COMMAND_LINE), Origin(str(path), overrides)
+    except ConfigError:
+        for override in overrides:  # blame the one that is wrong by itself
+            _overridden(data, scenario, (override,), override.flag)
+        raise
 
 
 def dump_scenario(scenario: Scenario) -> str:
@@ -106,10 +113,10 @@ def parse_assignment(text: str) -> Override:
     ConfigError
         If it is not an assignment, or the key does not exist or could be several.
     """
-    where = f"--set {text}"
     key, equals, value = text.partition("=")
+    where = f"--set {key.strip()}"
     if not equals or not key.strip():
-        raise ConfigError(f"{where}: expected key=value, for example --set sim.radio.loss=0.1")
+        raise ConfigError(f"--set {text}: expected key=value, for example --set sim.radio.loss=0.1")
     try:
         parsed = yaml.safe_load(value)
     except yaml.YAMLError:
@@ -187,13 +194,15 @@ def _with_type_defaults(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "robots": {**robots, "types": full}}
 
 
-def _apply(data: dict[str, Any], scenario: Scenario, override: Override) -> Override:
-    """Set one override in the plain data, in place; return what was set."""
-    if override.key == "robots.count":
-        assert isinstance(override.value, int)  # the option's own parser saw to it
-        counts = rescaled_counts(tuple(group.count for group in scenario.robots.types), override.value)
-        for group, count in zip(data["robots"]["types"], counts, strict=True):
-            group["count"] = count
-        return Override(override.flag, "robots.types", counts)
-    with_setting(data, override.key, override.value, override.flag)
-    return override
+def _overridden(data: dict[str, Any], scenario: Scenario, overrides: tuple[Override, ...], where: str) -> Scenario:
+    """Return the scenario that `data` and the overrides make together; `scenario` is the one of `data` alone."""
+    data = copy.deepcopy(data)
+    for override in overrides:
+        if override.key == ROBOT_COUNT:
+            assert isinstance(override.value, int)  # the option's own parser saw to it
+            counts = rescaled_counts(tuple(group.count for group in scenario.robots.types), override.value)
+            for group, count in zip(data["robots"]["types"], counts, strict=True):
+                group["count"] = count
+        else:
+            with_setting(data, override.key, override.value, override.flag)
+    return load_config(Scenario, _with_type_defaults(data), where)

@@ -41,7 +41,7 @@ class AdvertisingTables(RuleBasedStateMachine):
     @rule(pick=picks)
     def advertise(self, pick: int) -> None:
         node = self.node(pick)
-        self.on_the_air.append((node, advert_of(self.tables[node].advertise(self.tick), CONFIG.hop_limit)))
+        self.on_the_air.append((node, advert_of(NodeId(node), self.tables[node].advertise(self.tick))))
 
     @precondition(lambda self: self.on_the_air)
     @rule(message=picks, receivers=st.sets(st.integers(0, MOST), min_size=1))
@@ -50,15 +50,15 @@ class AdvertisingTables(RuleBasedStateMachine):
         sender, advert = self.on_the_air[-1 - message % len(self.on_the_air)]
         for receiver in sorted(receivers & self.tables.keys() - {sender}):
             self.heard[receiver].add(sender)
-            self.tables[receiver].merge(self.tick, [(NodeId(sender), advert)])
+            self.tables[receiver].merge(self.tick, [advert])
 
     @rule(pick=picks)
     def everybody_hears_the_newest(self, pick: int) -> None:
         """Many adverts in one tick, as in a formation."""
         newest = dict(self.on_the_air[-4:])
         receiver = self.node(pick)
-        adverts = [(NodeId(sender), advert) for sender, advert in sorted(newest.items()) if sender != receiver]
-        self.heard[receiver] |= {int(sender) for sender, _ in adverts}
+        adverts = [advert for sender, advert in sorted(newest.items()) if sender != receiver]
+        self.heard[receiver] |= {int(advert.source) for advert in adverts}
         self.tables[receiver].merge(self.tick, adverts)
 
     @rule(pick=picks, other=picks)

@@ -27,7 +27,7 @@ def hear_all(table: RouteTable, rows_of: dict[NodeId, tuple[tuple[int, int, int]
     adverts = []
     for neighbor, rows in rows_of.items():
         columns = np.array(rows, dtype=np.int64).reshape(-1, 3).T
-        adverts.append((neighbor, advert_of(RouteRows(*columns), 32)))
+        adverts.append(advert_of(neighbor, RouteRows(*columns)))
     table.merge(tick, adverts)
 
 
@@ -52,7 +52,7 @@ def test_new_node_is_passed_on_with_one_hop_more() -> None:
     b, c = make_table(B), make_table(C)
     hear(b, A, (A, 0, 100))
 
-    c.merge(2, [(B, advert_of(b.advertise(1), 32))])
+    c.merge(2, [advert_of(B, b.advertise(1))])
 
     assert c.route(A) == Route(A, B, 2, 100)
 
@@ -284,9 +284,9 @@ def test_broken_route_is_kept_until_stale_with_its_odd_number() -> None:
     assert table.route(D) is None
 
 
-@pytest.mark.parametrize("row", [(D, 1, 101), (D, GONE, 100), (D, 32, 100), (0xFFFF, 1, 100)])
+@pytest.mark.parametrize("row", [(D, 1, 101), (D, GONE, 100), (D, 254, 100), (0xFFFF, 1, 100)])
 def test_illegal_rows_are_ignored(row: tuple[int, int, int]) -> None:
-    """Odd and finite, even and infinite, beyond the hop limit, the flood address."""
+    """Odd and finite, even and infinite, one hop short of infinity, the flood address."""
     table = make_table()
 
     hear(table, B, row)

@@ -19,14 +19,14 @@ def test_neighbors_are_listed_by_ascending_id() -> None:
     table = NeighborTable(3)
 
     for source in (5, 1, 3):
-        table.hear(0, make_hello(source))
+        table.hear(0, [make_hello(source)])
 
     assert list(table.presences) == [1, 3, 5]
 
 
 def test_neighbor_is_gone_after_three_missed_hellos() -> None:
     table = NeighborTable(3)
-    table.hear(10, make_hello(7))
+    table.hear(10, [make_hello(7)])
 
     assert table.expire(12) == []
     assert table.expire(13) == [7]
@@ -35,9 +35,9 @@ def test_neighbor_is_gone_after_three_missed_hellos() -> None:
 
 def test_latest_presence_counts_even_when_hellos_overtake_each_other() -> None:
     table = NeighborTable(3)
-    table.hear(0, make_hello(7, 2, x=2.0))
+    table.hear(0, [make_hello(7, 2, x=2.0)])
 
-    table.hear(0, make_hello(7, 1, x=1.0))
+    table.hear(0, [make_hello(7, 1, x=1.0)])
 
     assert table.presences[NodeId(7)].position[0] == 2.0
 
@@ -45,26 +45,26 @@ def test_latest_presence_counts_even_when_hellos_overtake_each_other() -> None:
 @pytest.mark.parametrize(("before", "after"), [(1, 2), (65535, 0), (65000, 100)])
 def test_frame_counter_may_wrap_around(before: int, after: int) -> None:
     table = NeighborTable(3)
-    table.hear(0, make_hello(7, before, x=1.0))
+    table.hear(0, [make_hello(7, before, x=1.0)])
 
-    table.hear(1, make_hello(7, after, x=2.0))
+    table.hear(1, [make_hello(7, after, x=2.0)])
 
     assert table.presences[NodeId(7)].position[0] == 2.0
 
 
 def test_neighbor_that_comes_back_may_count_from_anywhere() -> None:
     table = NeighborTable(3)
-    table.hear(0, make_hello(7, 900, x=1.0))
+    table.hear(0, [make_hello(7, 900, x=1.0)])
     table.expire(3)
 
-    table.hear(9, make_hello(7, 1, x=2.0))
+    table.hear(9, [make_hello(7, 1, x=2.0)])
 
     assert table.presences[NodeId(7)].position[0] == 2.0
 
 
 def test_only_who_was_heard_in_this_tick_is_fresh() -> None:
     table = NeighborTable(3)
-    table.hear(4, make_hello(7))
+    table.hear(4, [make_hello(7)])
 
     assert table.is_fresh(NodeId(7), 4)
     assert not table.is_fresh(NodeId(7), 5)

@@ -15,7 +15,7 @@ from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.strategy import Decision, Strategy
 from swarm_agent.localization.localizer import Estimate, Localizer
 from swarm_agent.planning.path_planner import planner_for
-from swarm_msgs_py.frames import encode_body
+from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
 from swarm_msgs_py.messages.radio import Presence

@@ -108,8 +108,8 @@ def decode_frame(data: bytes) -> Frame:
 
 def _encode_hello(hello: Hello) -> bytes:
     presence, routes = hello.presence, hello.routes
-    numbers = (*map(float, presence.position), *map(float, presence.velocity), float(presence.sigma))
-    if not all(map(math.isfinite, numbers[:4])) or not numbers[4] >= 0.0:
+    numbers = (*presence.position.tolist(), *presence.velocity.tolist(), presence.sigma)
+    if not all(map(math.isfinite, numbers[:4])) or not presence.sigma >= 0.0:
         raise FrameError("position and velocity must be finite, sigma not negative")
     flags = _IS_BEACON if presence.is_beacon else 0
     state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)

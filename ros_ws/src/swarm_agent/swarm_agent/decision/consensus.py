@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.rows import RowBook
+from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.frames import decode_body, encode_body
 from swarm_msgs_py.messages.bodies import CostRow, Plan, RowBundle, RowRequest
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork

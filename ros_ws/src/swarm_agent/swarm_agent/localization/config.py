@@ -20,6 +20,11 @@ class LpsConfig(Config):
     yaw_sigma_rad: float = setting(
         0.01, "standard deviation of the heading; turns part of an acceleration sideways", unit="rad", minimum=0.0
     )
+    push_delay_s: float = setting(
+        0.12, "when in a period the velocity changes: the delay of the velocity servo, 2 zeta / omega_n (spec 12.2)",
+        unit="s", minimum=0.0,
+    )  # fmt: skip
+    push_delay_sigma_s: float = setting(0.03, "how far that may be off", unit="s", minimum=0.0)
     initial_speed_sigma_mps: float = setting(
         0.1, "standard deviation of the velocity at the first fix, per axis; robots start at rest",
         unit="m/s", minimum=0.0,

@@ -52,7 +52,13 @@ class Localizer:
 
     def __init__(self, config: LpsConfig, period_s: float) -> None:
         self._config = config
-        self._model = MotionModel(period_s, config.acceleration_sigma_mps2, config.yaw_sigma_rad)
+        self._model = MotionModel(
+            period_s,
+            config.acceleration_sigma_mps2,
+            config.yaw_sigma_rad,
+            config.push_delay_s,
+            config.push_delay_sigma_s,
+        )
         self._belief: Gaussian | None = None
         self._rejections = 0
 

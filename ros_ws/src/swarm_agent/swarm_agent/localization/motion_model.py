@@ -38,6 +38,10 @@ class Step:
 class MotionModel:
     """Twice integrated acceleration with noise and constant bias.
 
+    A mean acceleration says by how much the velocity has changed, not when. A robot knows when: its setpoint changes at
+    the start of a period, and its velocity follows a servo delay later. So a change of velocity counts for the position
+    from then on, ``dx = v dt + dv (dt - delay)``; a delay of half the period gives the B of the thesis, eq. (3.29).
+
     Parameters
     ----------
     period : float
@@ -46,11 +50,24 @@ class MotionModel:
         Standard deviation of a measured mean acceleration, per axis [m/s^2].
     yaw_sigma : float
         Standard deviation of the heading that turns it into the world frame [rad].
+    push_delay : float or None
+        When in a period the velocity changes [s]; None for half of the period.
+    push_delay_sigma : float
+        How far it may deviate from that [s].
     """
 
-    def __init__(self, period: float, acceleration_sigma: float, yaw_sigma: float) -> None:
+    def __init__(
+        self,
+        period: float,
+        acceleration_sigma: float,
+        yaw_sigma: float,
+        push_delay: float | None = None,
+        push_delay_sigma: float = 0.0,
+    ) -> None:
         self._variance, self._yaw_variance = acceleration_sigma**2, yaw_sigma**2
-        axis = np.array([period**2 / 2.0, period])
+        self._timing_variance = (period * push_delay_sigma) ** 2  # of the position, per (m/s^2)^2
+        delay = period / 2.0 if push_delay is None else min(push_delay, period / 2.0)
+        axis = np.array([period * (period - delay), period])
         coast = np.eye(STATES)
         coast[0, 1] = coast[2, 3] = period
         self._coast = coast
@@ -78,8 +95,11 @@ class MotionModel:
         transition[:, BIAS] -= push
         forward, left = acceleration_body.tolist()
         # A wrong heading turns the acceleration sideways by |a| times the error; counted on both axes, to be safe.
-        variance = self._variance + self._yaw_variance * (forward * forward + left * left)
-        return Step(transition, push @ acceleration_body, variance * self._unit_noise)
+        square = forward * forward + left * left
+        noise = (self._variance + self._yaw_variance * square) * self._unit_noise
+        noise[0, 0] += self._timing_variance * square
+        noise[2, 2] += self._timing_variance * square
+        return Step(transition, push @ acceleration_body, noise)
 
 
 def belief_at(position: FloatArray, sigma: float, speed_sigma: float, bias_max: float) -> Gaussian:

@@ -51,10 +51,12 @@ from swarm_msgs_py.networking.labels import (
     is_finite,
     labels_of,
     sequences_of,
+    unpacked,
 )
 from swarm_msgs_py.types import IntArray, NodeId
 
 _NOBODY = -1
+_NO_INDEX = 0  # index of no neighbour
 _UNKNOWN, _SELF = 0, 1  # slots of the table: 0 belongs to no destination, 1 to the node itself
 _DELETED, _BROKEN, _ACTIVE = 0, 1, 2
 _COLUMNS = (
@@ -116,7 +118,7 @@ class RouteTable:
         self._rows_per_hello = config.rows_per_hello
         self._slot_of = np.zeros(1 << 16, dtype=np.int64)  # by address; untouched pages cost nothing
         self._neighbor_ids = np.full(16, _NOBODY, dtype=np.int64)  # by neighbour index
-        self._index_of: dict[NodeId, int] = {}
+        self._index_of = np.zeros(1 << 16, dtype=np.int64)  # by address
         self._slots = 0
         self._destination = np.zeros(0, dtype=np.int64)
         self._label = np.zeros(0, dtype=np.int32)
@@ -189,41 +191,40 @@ class RouteTable:
 
     # -- changing ------------------------------------------------------------------------------------------------------
 
-    def merge(self, tick: int, adverts: Sequence[tuple[NodeId, Advert]]) -> None:
-        """Take in the adverts of one tick, at most one per neighbour; the senders thereby are neighbours.
+    def merge(self, tick: int, adverts: Sequence[Advert]) -> None:
+        """Take in the adverts of one tick, at most one per neighbour; their sources thereby are neighbours.
 
         All rows of all adverts are judged together: one vector operation per rule, not one loop turn per row.
         """
-        if not adverts:
-            return
-        destinations = np.concatenate([advert.destinations for _, advert in adverts])
+        sources, destinations, labels = unpacked(adverts)
         slots = self._slot_of[destinations]
         if not slots.all():
-            labels = np.concatenate([advert.labels for _, advert in adverts])
             unknown = slots == _UNKNOWN
             for destination, label in zip(destinations[unknown].tolist(), labels[unknown].tolist(), strict=True):
                 if self._slot_of[destination] == _UNKNOWN:
                     self._add(destination, label)
             slots = self._slot_of[destinations]
-        labels = np.concatenate([advert.labels for _, advert in adverts])
-        indices = [self._index(neighbor) for neighbor, _ in adverts]
-        via = np.repeat(np.array(indices), [len(advert.labels) for _, advert in adverts])
-        self._record(via, slots, labels)
+        indices = self._index_of[sources]
+        if not indices.all():
+            for source in np.unique(sources[indices == _NO_INDEX]).tolist():
+                self._add_neighbor(source)
+            indices = self._index_of[sources]
+        self._record(indices, slots, labels)
         margins = labels - self._label[slots]  # > 0: a better label
-        better = np.flatnonzero(margins > 0)
+        finite = is_finite(labels)
+        better = np.flatnonzero((margins > 0) & finite)
         if len(better):
-            better = better[self._hear_of_self(slots[better], labels[better])]
-            finite = better[is_finite(labels[better])]
-            self._adopt(tick, slots[finite], labels[finite], margins[finite], self._neighbor_ids[via[finite]])
-        if any(advert.breaks for _, advert in adverts):
-            rows = np.flatnonzero(~is_finite(labels))
-            self._withdraw(tick, slots[rows], labels[rows], margins[rows], self._neighbor_ids[via[rows]])
+            self._adopt(tick, slots[better], labels[better], margins[better], sources[better])
+        if not finite.all():
+            rows = np.flatnonzero(~finite)
+            self._withdraw(tick, slots[rows], labels[rows], margins[rows], sources[rows])
 
     def lose(self, tick: int, neighbors: Iterable[NodeId]) -> None:
         """Mend or break every route through neighbours that are gone."""
-        gone = [neighbor for neighbor in neighbors if neighbor in self._index_of]
+        gone = [neighbor for neighbor in neighbors if self._index_of[neighbor] != _NO_INDEX]
         for neighbor in gone:
-            index = self._index_of.pop(neighbor)
+            index = self._index_of[neighbor]
+            self._index_of[neighbor] = _NO_INDEX
             self._neighbor_ids[index] = _NOBODY
             self._offers[index] = self._nothing()
         if gone:
@@ -275,29 +276,27 @@ class RouteTable:
 
     # -- rules ---------------------------------------------------------------------------------------------------------
 
-    def _record(self, via: IntArray, slots: IntArray, labels: LabelArray) -> None:
+    def _record(self, indices: IntArray, slots: IntArray, labels: LabelArray) -> None:
         """Keep the best label that each neighbour has ever advertised (labels never get worse)."""
-        cells = via * self._offers.shape[1] + slots
+        cells = indices * self._offers.shape[1] + slots
         offers = self._offers.reshape(-1)
         newer = labels - offers[cells] > 0
         offers[cells[newer]] = labels[newer]
 
-    def _hear_of_self(self, slots: IntArray, labels: LabelArray) -> BoolArray:
-        """Outnumber what others say of this node; return which rows are about somebody else.
+    def _outnumber(self, heard: LabelArray) -> None:
+        """Take a number above those that others hold for this node.
 
         Odd: somebody lost the route to this node. Even: they remember an earlier life of it.
         """
-        others: BoolArray = slots != _SELF
-        if not others.all():
-            heard = labels[~others]
-            newest = int(sequences_of(heard[np.argmax(heard - self._label[_SELF : _SELF + 1])][None])[0])
-            self._label[_SELF] = self._numbered(newest + 2 - newest % 2)
-        return others
+        newest = int(sequences_of(heard[np.argmax(heard - self._label[_SELF : _SELF + 1])][None])[0])
+        self._label[_SELF] = self._numbered(newest + 2 - newest % 2)
 
     def _adopt(self, tick: int, slots: IntArray, labels: LabelArray, margins: LabelArray, via: IntArray) -> None:
         """Take the best of the better offers for each slot; of equals the one of the lowest neighbour."""
-        if not len(slots):
-            return
+        if (slots == _SELF).any():
+            others = slots != _SELF
+            self._outnumber(labels[~others])
+            slots, labels, margins, via = slots[others], labels[others], margins[others], via[others]
         order = np.lexsort((via, -margins, slots))
         slots = slots[order]
         first = np.ones(len(slots), dtype=np.bool_)
@@ -324,6 +323,9 @@ class RouteTable:
 
     def _withdraw(self, tick: int, slots: IntArray, labels: LabelArray, margins: LabelArray, via: IntArray) -> None:
         """Judge infinite rows: obey the next hop, answer those who could use this node's newer route."""
+        rumors = labels[(slots == _SELF) & (margins > 0)]
+        if len(rumors):
+            self._outnumber(rumors)
         active = (self._state[slots] == _ACTIVE) & (slots != _SELF)
         answer = slots[active & (self._label[slots] - labels >= 0)]
         self._pending[answer] = True
@@ -355,9 +357,7 @@ class RouteTable:
 
     def _challenge_neighbors(self, tick: int) -> None:
         """Tell a neighbour that numbers itself too low (it has restarted) the number that it has to exceed."""
-        slots = (
-            self._slot_of[np.array(list(self._index_of), dtype=np.int64)] if self._index_of else np.zeros(0, np.int64)
-        )
+        slots = self._slot_of[self._neighbor_ids[self._neighbor_ids != _NOBODY]]
         slots = slots[(slots != _UNKNOWN) & (self._state[slots] != _ACTIVE)]
         self._label[slots] = broken(self._label[slots])
         self._state[slots] = _BROKEN
@@ -376,19 +376,15 @@ class RouteTable:
         """Return, for each slot, the label of a neighbour that has not offered anything yet."""
         return (self._label & np.int32(-NUMBER)) - np.int32(LONG_AGO)
 
-    def _index(self, neighbor: NodeId) -> int:
-        """Return the row of `neighbor` in the matrix of offers, made when it is new."""
-        index = self._index_of.get(neighbor)
-        if index is None:
+    def _add_neighbor(self, neighbor: int) -> None:
+        """Give `neighbor` a row in the matrix of offers."""
+        free = np.flatnonzero(self._neighbor_ids == _NOBODY)
+        if len(free) == 1:  # index 0 belongs to nobody
+            self._neighbor_ids = np.concatenate((self._neighbor_ids, np.full_like(self._neighbor_ids, _NOBODY)))
+            self._offers = np.concatenate((self._offers, np.tile(self._nothing(), (len(self._offers), 1))))
             free = np.flatnonzero(self._neighbor_ids == _NOBODY)
-            if not len(free):
-                self._neighbor_ids = np.concatenate((self._neighbor_ids, np.full_like(self._neighbor_ids, _NOBODY)))
-                self._offers = np.concatenate((self._offers, np.tile(self._nothing(), (len(self._offers), 1))))
-                free = np.flatnonzero(self._neighbor_ids == _NOBODY)
-            index = int(free[0])
-            self._neighbor_ids[index] = neighbor
-            self._index_of[neighbor] = index
-        return index
+        self._neighbor_ids[free[1]] = neighbor
+        self._index_of[neighbor] = free[1]
 
     def _add(self, destination: int, label: int) -> None:
         """Give `destination` a slot; its label is just worse than `label`, which is about to be judged."""

@@ -9,13 +9,14 @@ Legal routes carry even numbers, broken ones odd numbers (spec section 5.2). Wha
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_msgs_py.messages.radio import HOPS_INFINITE, RouteRows
-from swarm_msgs_py.types import EVERYONE, IntArray
+from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
 
 LabelArray = NDArray[np.int32]
 BoolArray = NDArray[np.bool_]
@@ -58,30 +59,37 @@ def broken(labels: LabelArray) -> LabelArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Advert:
-    """Route rows of one hello, as its receiver would take them over.
+    """Route rows of one hello, as its receivers would take them over.
 
     Attributes
     ----------
-    destinations : (n,) int array
-    labels : (n,) label array
-        With the hop to the sender already counted.
-    breaks : bool
-        Whether some of the rows are broken routes.
+    source : NodeId
+        Who advertises.
+    rows : bytes
+        Unsigned 64-bit integers, ``source << 48 | destination << 32 | label``, the hop to the source already counted.
+        Joining fifty byte strings costs a tenth of concatenating fifty arrays.
     """
 
-    destinations: IntArray
-    labels: LabelArray
-    breaks: bool
+    source: NodeId
+    rows: bytes
 
 
-def advert_of(rows: RouteRows, hop_limit: int) -> Advert:
-    """Return the legal rows of a hello: even and within `hop_limit`, or odd and infinite; each destination once."""
+def advert_of(source: NodeId, rows: RouteRows) -> Advert:
+    """Return the legal rows of a hello: even and finite, or odd and infinite; each destination once."""
     infinite = rows.hops == HOPS_INFINITE
-    legal = (infinite == (rows.sequences & 1 == 1)) & (infinite | (rows.hops < hop_limit))
+    legal = (infinite == (rows.sequences & 1 == 1)) & (rows.hops != HOPS_INFINITE - 1)
     legal &= rows.destinations != EVERYONE
     destinations, hops = rows.destinations[legal], np.where(infinite, HOPS_INFINITE, rows.hops + 1)[legal]
     labels = labels_of(rows.sequences[legal], hops)
     if len(set(destinations.tolist())) != len(destinations):  # no sender of ours does this; the first one counts
         first = np.sort(np.unique(destinations, return_index=True)[1])
         destinations, labels = destinations[first], labels[first]
-    return Advert(destinations, labels, not bool(is_finite(labels).all()))
+    packed = (int(source) << 16 | destinations) << 32 | labels.astype(np.int64) & 0xFFFFFFFF
+    return Advert(source, packed.astype(np.uint64).tobytes())
+
+
+def unpacked(adverts: Sequence[Advert]) -> tuple[IntArray, IntArray, LabelArray]:
+    """Return the rows of several adverts as columns: source, destination, label."""
+    rows = np.frombuffer(b"".join([advert.rows for advert in adverts]), dtype=np.uint16).reshape(-1, 4)
+    labels = rows[:, :2].copy().view(np.int32).reshape(-1)
+    return rows[:, 3].astype(np.int64), rows[:, 2].astype(np.int64), labels

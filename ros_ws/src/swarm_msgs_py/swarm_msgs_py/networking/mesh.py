@@ -13,13 +13,12 @@ from collections import deque
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from operator import itemgetter
 
 import numpy as np
 
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Hello, Packet, Presence, RadioCounters
+from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Frame, Hello, Packet, Presence, RadioCounters
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.dsdv import Route, RouteTable
 from swarm_msgs_py.networking.labels import Advert, advert_of
@@ -113,26 +112,25 @@ class MeshNetwork:
         self._begin(tick)
         self._heard[0] += len(frames)
         self._heard[1] += sum(map(len, frames))
-        listening = self._is_listening()
-        adverts: list[tuple[NodeId, Advert]] = []
+        hellos: list[Hello] = []
+        adverts: list[Advert] = []
         packets: list[Packet] = []
         for data in frames:
             try:
-                frame, advert = _understood(data, self._config.hop_limit)
+                frame, advert = _understood(data)
             except FrameError:
                 self._corrupt += 1
                 continue
             if frame.source == self._node:
                 continue
-            if isinstance(frame, Hello):
-                if listening and advert is not None:
-                    self._neighbor_table.hear(tick, frame)
-                    adverts.append((frame.source, advert))
+            if advert is not None:
+                hellos.append(frame)  # type: ignore[arg-type]  # only a hello has an advert
+                adverts.append(advert)
             elif isinstance(frame, Packet):
                 packets.append(frame)
-            else:
+            elif isinstance(frame, Acknowledgement):
                 self._outbox.acknowledge(self._node, frame)
-        self._update_routes(tick, adverts)
+        self._update_routes(tick, hellos, adverts)
         deliveries, self._to_self = self._to_self, []
         for packet in packets:
             self._take(packet, deliveries)
@@ -198,15 +196,17 @@ class MeshNetwork:
     def _is_listening(self) -> bool:
         return self._speaks_from is not None and self._tick >= self._speaks_from
 
-    def _update_routes(self, tick: int, adverts: list[tuple[NodeId, Advert]]) -> None:
+    def _update_routes(self, tick: int, hellos: list[Hello], adverts: list[Advert]) -> None:
+        if self._is_listening():
+            self._neighbor_table.hear(tick, hellos)
         self._routes.lose(tick, self._neighbor_table.expire(tick))
-        while adverts:  # one advert per neighbour at a time; a second one in a tick was delayed on the air
-            batch, later = dict[NodeId, Advert](), []
-            for source, advert in adverts:
-                if batch.setdefault(source, advert) is not advert:
-                    later.append((source, advert))
-            self._routes.merge(tick, sorted(batch.items(), key=itemgetter(0)))
-            adverts = later
+        while self._is_listening() and adverts:
+            batch, late = dict[NodeId, Advert](), []
+            for advert in adverts:  # at most one per neighbour at a time: a second one in a tick was delayed on the air
+                if batch.setdefault(advert.source, advert) is not advert:
+                    late.append(advert)
+            self._routes.merge(tick, list(batch.values()))
+            adverts = late
         self._routes.expire(tick)
 
     def _take(self, packet: Packet, deliveries: list[Delivery]) -> None:
@@ -280,7 +280,7 @@ class MeshNetwork:
 
 
 @lru_cache(maxsize=8192)
-def _understood(data: bytes, hop_limit: int) -> tuple[Hello | Packet | Acknowledgement, Advert | None]:
+def _understood(data: bytes) -> tuple[Frame, Advert | None]:
     """Return a frame and, for a hello, its rows as labels; memoised, because many radios hear the same bytes."""
     frame = decode_frame(data)
-    return frame, advert_of(frame.routes, hop_limit) if isinstance(frame, Hello) else None
+    return frame, advert_of(frame.source, frame.routes) if isinstance(frame, Hello) else None

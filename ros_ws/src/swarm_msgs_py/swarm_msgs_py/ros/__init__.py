@@ -1,0 +1,1 @@
+"""The shared half of the seam between cores and ROS: channels, conversions, parameters, running nodes."""
