@@ -43,7 +43,8 @@ def main(robots: int, ticks: int) -> None:
         outboxes = said
     for name, costs in (("receive", receive_us), ("transmit", transmit_us), ("both", both_us)):
         low, median, high = np.percentile(costs, (10, 50, 99))
-        print(f"{name:8s} p10 {low:5.0f} us   median {median:5.0f} us   p99 {high:5.0f} us   mean {np.mean(costs):5.0f} us")
+        mean = np.mean(costs)
+        print(f"{name:8s} p10 {low:5.0f} us   median {median:5.0f} us   p99 {high:5.0f} us   mean {mean:5.0f} us")
     sent = sum(node.counters.bytes_sent for node in nodes)
     print(f"{len(nodes)} radios, {8 * sent / (ticks * PERIOD_S) / 1000:.1f} kbit/s for all of them together")
 

@@ -16,7 +16,6 @@ REQUIREMENTS = sorted((ROOT / "requirements").glob("*.txt"))
 PIN = re.compile(r"[a-z0-9][a-z0-9-]*==[0-9][0-9a-z.]*")
 
 ROSDEP_KEYS = {
-    "filterpy": "python3-filterpy-pip",
     "matplotlib": "python3-matplotlib",
     "numpy": "python3-numpy",
     "pybullet": "python3-pybullet-pip",

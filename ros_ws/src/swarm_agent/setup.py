@@ -18,7 +18,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["filterpy", "numpy", "scipy", "shapely", "swarm_msgs_py"],
+    install_requires=["numpy", "scipy", "shapely", "swarm_msgs_py"],
     entry_points={"console_scripts": ["agent_node = swarm_agent.ros.agent_node:main"]},
     zip_safe=False,
 )

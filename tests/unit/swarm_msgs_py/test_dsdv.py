@@ -5,8 +5,8 @@ import pytest
 
 from swarm_msgs_py.messages.radio import HOPS_INFINITE, RouteRows
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.networking.dsdv import Route, RouteTable
-from swarm_msgs_py.networking.labels import advert_of
+from swarm_msgs_py.networking.dsdv import RouteTable
+from swarm_msgs_py.networking.labels import Route, advert_of
 from swarm_msgs_py.types import NodeId
 
 A, B, C, D, E = (NodeId(n) for n in range(5))

@@ -9,7 +9,7 @@ from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
 from swarm_msgs_py.messages.radio import Delivery, Hello, Packet, Presence
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.networking.dsdv import Route
+from swarm_msgs_py.networking.labels import Route
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import EVERYONE, MISSION, NodeId
 

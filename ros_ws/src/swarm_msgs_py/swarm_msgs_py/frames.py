@@ -27,7 +27,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from swarm_msgs_py.binary import Reader, finite, frozen, packed, packed_integers
+from swarm_msgs_py.binary import Reader, frozen, packed, packed_integers
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
@@ -122,11 +122,11 @@ def _encode_hello(hello: Hello) -> bytes:
 
 def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
     x, y, vx, vy, sigma, robot_type, flags, mode, epoch, digest = reader.fields(_PRESENCE)
-    if not sigma >= 0.0:  # infinity stands for "position unknown"
-        raise FrameError("sigma must not be negative")
+    if not all(map(math.isfinite, (x, y, vx, vy))) or not sigma >= 0.0:  # infinite sigma: position unknown
+        raise FrameError("position and velocity must be finite, sigma not negative")
     presence = Presence(
-        position=frozen(finite(np.array([x, y]))),
-        velocity=frozen(finite(np.array([vx, vy]))),
+        position=frozen(np.array([x, y])),
+        velocity=frozen(np.array([vx, vy])),
         sigma=sigma,
         robot_type=robot_type,
         is_beacon=bool(flags & _IS_BEACON),

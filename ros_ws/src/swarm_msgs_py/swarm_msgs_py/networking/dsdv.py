@@ -34,7 +34,6 @@ Counting to infinity would raise hops at a constant number, which 1 excludes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -46,6 +45,7 @@ from swarm_msgs_py.networking.labels import (
     Advert,
     BoolArray,
     LabelArray,
+    Route,
     broken,
     hops_of,
     is_finite,
@@ -53,44 +53,16 @@ from swarm_msgs_py.networking.labels import (
     sequences_of,
     unpacked,
 )
-from swarm_msgs_py.types import IntArray, NodeId
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 _NOBODY = -1
 _NO_INDEX = 0  # index of no neighbour
 _UNKNOWN, _SELF = 0, 1  # slots of the table: 0 belongs to no destination, 1 to the node itself
 _DELETED, _BROKEN, _ACTIVE = 0, 1, 2
 _COLUMNS = (
-    "_destination",
-    "_label",
-    "_next_hop",
-    "_state",
-    "_refreshed_at",
-    "_first_at",
-    "_best_at",
-    "_settling",
-    "_pending",
-    "_due_at",
+    *("_destination", "_label", "_next_hop", "_state", "_refreshed_at"),
+    *("_first_at", "_best_at", "_settling", "_pending", "_due_at"),
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Route:
-    """One row of a route table.
-
-    Attributes
-    ----------
-    destination, next_hop : NodeId
-        `next_hop` is -1 for a broken route.
-    hops : int
-        `HOPS_INFINITE` for a broken route.
-    sequence : int
-        Destination sequence number.
-    """
-
-    destination: NodeId
-    next_hop: NodeId
-    hops: int
-    sequence: int
 
 
 class RouteTable:
@@ -119,21 +91,20 @@ class RouteTable:
         self._slot_of = np.zeros(1 << 16, dtype=np.int64)  # by address; untouched pages cost nothing
         self._neighbor_ids = np.full(16, _NOBODY, dtype=np.int64)  # by neighbour index
         self._index_of = np.zeros(1 << 16, dtype=np.int64)  # by address
-        self._slots = 0
-        self._destination = np.zeros(0, dtype=np.int64)
-        self._label = np.zeros(0, dtype=np.int32)
-        self._next_hop = np.zeros(0, dtype=np.int64)
+        self._slots = 1  # slots in use, the unknown one included
+        self._destination: IntArray = np.zeros(0, dtype=np.int64)
+        self._label: LabelArray = np.zeros(0, dtype=np.int32)
+        self._next_hop: IntArray = np.zeros(0, dtype=np.int64)
         self._state = np.zeros(0, dtype=np.int8)
-        self._refreshed_at = np.zeros(0, dtype=np.int64)
-        self._first_at = np.zeros(0, dtype=np.int64)  # when the present number, and its best offer, arrived
-        self._best_at = np.zeros(0, dtype=np.int64)
-        self._settling = np.zeros(0, dtype=np.float64)  # mean time between the two [ticks]
-        self._pending = np.zeros(0, dtype=np.bool_)
-        self._due_at = np.zeros(0, dtype=np.int64)
-        self._offers = np.zeros((16, 0), dtype=np.int32)
+        self._refreshed_at: IntArray = np.zeros(0, dtype=np.int64)
+        self._first_at: IntArray = np.zeros(0, dtype=np.int64)  # when the present number, and its best offer, arrived
+        self._best_at: IntArray = np.zeros(0, dtype=np.int64)
+        self._settling: FloatArray = np.zeros(0)  # mean time between the two [ticks]
+        self._pending: BoolArray = np.zeros(0, dtype=np.bool_)
+        self._due_at: IntArray = np.zeros(0, dtype=np.int64)
+        self._offers: LabelArray = np.zeros((16, 0), dtype=np.int32)
         self._reachable: tuple[NodeId, ...] | None = None
         self._reserve(64)
-        self._slots = 1
         self._next_hop[_UNKNOWN] = _NOBODY
         self._add(int(node), 0)
         self._label[_SELF] = self._numbered(sequence)
@@ -212,7 +183,7 @@ class RouteTable:
         self._record(indices, slots, labels)
         margins = labels - self._label[slots]  # > 0: a better label
         finite = is_finite(labels)
-        better = np.flatnonzero((margins > 0) & finite)
+        better = ((margins > 0) & finite).nonzero()[0]
         if len(better):
             self._adopt(tick, slots[better], labels[better], margins[better], sources[better])
         if not finite.all():
@@ -258,7 +229,7 @@ class RouteTable:
             self._pending[:count] |= known
             self._due_at[:count][known] = tick
         self._pending[_SELF] = False
-        due = np.flatnonzero(self._pending[:count] & (self._due_at[:count] <= tick))
+        due = (self._pending[:count] & (self._due_at[:count] <= tick)).nonzero()[0]
         if len(due) >= self._rows_per_hello:  # breaks are never the ones that wait
             order = np.lexsort((self._destination[due], self._due_at[due], self._state[due] == _ACTIVE))
             due = due[order[: self._rows_per_hello - 1]]

@@ -1,4 +1,4 @@
-"""Sequence number and hop count of a route in one integer, so that "is better" is one vector subtraction.
+"""Routes and adverts, with number and hop count in one integer, so that "is better" is one vector subtraction.
 
 A *label* is a 32-bit integer, ``sequence << 16 | (255 - hops) << 8``. Label a is better than label b, newer or equally
 new and shorter, when the wrapped 32-bit difference a - b is positive: serial number arithmetic (RFC 1982) on the
@@ -57,6 +57,26 @@ def broken(labels: LabelArray) -> LabelArray:
     return (labels & np.int32(-NUMBER)) | np.int32(NUMBER)
 
 
+@dataclass(frozen=True, slots=True)
+class Route:
+    """One row of a route table.
+
+    Attributes
+    ----------
+    destination, next_hop : NodeId
+        `next_hop` is -1 for a broken route.
+    hops : int
+        `HOPS_INFINITE` for a broken route.
+    sequence : int
+        Destination sequence number.
+    """
+
+    destination: NodeId
+    next_hop: NodeId
+    hops: int
+    sequence: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Advert:
     """Route rows of one hello, as its receivers would take them over.
@@ -66,7 +86,7 @@ class Advert:
     source : NodeId
         Who advertises.
     rows : bytes
-        Unsigned 64-bit integers, ``source << 48 | destination << 32 | label``, the hop to the source already counted.
+        Little-endian 64-bit integers, ``source << 48 | destination << 32 | label``, with the hop to the source counted.
         Joining fifty byte strings costs a tenth of concatenating fifty arrays.
     """
 
@@ -76,20 +96,20 @@ class Advert:
 
 def advert_of(source: NodeId, rows: RouteRows) -> Advert:
     """Return the legal rows of a hello: even and finite, or odd and infinite; each destination once."""
-    infinite = rows.hops == HOPS_INFINITE
-    legal = (infinite == (rows.sequences & 1 == 1)) & (rows.hops != HOPS_INFINITE - 1)
-    legal &= rows.destinations != EVERYONE
-    destinations, hops = rows.destinations[legal], np.where(infinite, HOPS_INFINITE, rows.hops + 1)[legal]
-    labels = labels_of(rows.sequences[legal], hops)
+    destinations, hops, sequences = rows.destinations, rows.hops, rows.sequences
+    legal = (sequences & 1 == (hops == HOPS_INFINITE)) & (hops != HOPS_INFINITE - 1) & (destinations != EVERYONE)
+    if not legal.all():
+        destinations, hops, sequences = destinations[legal], hops[legal], sequences[legal]
     if len(set(destinations.tolist())) != len(destinations):  # no sender of ours does this; the first one counts
         first = np.sort(np.unique(destinations, return_index=True)[1])
-        destinations, labels = destinations[first], labels[first]
+        destinations, hops, sequences = destinations[first], hops[first], sequences[first]
+    labels = labels_of(sequences, np.minimum(hops + 1, HOPS_INFINITE))
     packed = (int(source) << 16 | destinations) << 32 | labels.astype(np.int64) & 0xFFFFFFFF
-    return Advert(source, packed.astype(np.uint64).tobytes())
+    return Advert(source, packed.astype("<i8").tobytes())
 
 
 def unpacked(adverts: Sequence[Advert]) -> tuple[IntArray, IntArray, LabelArray]:
     """Return the rows of several adverts as columns: source, destination, label."""
-    rows = np.frombuffer(b"".join([advert.rows for advert in adverts]), dtype=np.uint16).reshape(-1, 4)
-    labels = rows[:, :2].copy().view(np.int32).reshape(-1)
+    rows = np.frombuffer(b"".join([advert.rows for advert in adverts]), dtype="<u2").reshape(-1, 4)
+    labels = rows[:, :2].copy().view("<i4").reshape(-1)
     return rows[:, 3].astype(np.int64), rows[:, 2].astype(np.int64), labels

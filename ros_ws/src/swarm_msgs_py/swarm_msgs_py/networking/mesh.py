@@ -20,8 +20,8 @@ from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
 from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Frame, Hello, Packet, Presence, RadioCounters
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.networking.dsdv import Route, RouteTable
-from swarm_msgs_py.networking.labels import Advert, advert_of
+from swarm_msgs_py.networking.dsdv import RouteTable
+from swarm_msgs_py.networking.labels import Advert, Route, advert_of
 from swarm_msgs_py.networking.neighbors import NeighborTable
 from swarm_msgs_py.networking.outbox import Outbox
 from swarm_msgs_py.types import EVERYONE, NodeId
@@ -201,12 +201,10 @@ class MeshNetwork:
             self._neighbor_table.hear(tick, hellos)
         self._routes.lose(tick, self._neighbor_table.expire(tick))
         while self._is_listening() and adverts:
-            batch, late = dict[NodeId, Advert](), []
-            for advert in adverts:  # at most one per neighbour at a time: a second one in a tick was delayed on the air
-                if batch.setdefault(advert.source, advert) is not advert:
-                    late.append(advert)
-            self._routes.merge(tick, list(batch.values()))
-            adverts = late
+            # One advert per neighbour at a time: a second one in a tick was delayed on the air.
+            batch = list({advert.source: advert for advert in reversed(adverts)}.values())
+            self._routes.merge(tick, batch)
+            adverts = [advert for advert in adverts if advert not in batch] if len(batch) < len(adverts) else []
         self._routes.expire(tick)
 
     def _take(self, packet: Packet, deliveries: list[Delivery]) -> None:

@@ -26,7 +26,7 @@ RANGE_LABELS = ("neighbor", "id_range")
 
 UNMEASURED_VARIANCE = 1e9  # of what a position sensor does not measure: height and orientation
 
-_IMU = struct.Struct("<37d")  # quaternion 4, covariance 9, angular velocity 3, covariance 9, acceleration 3, covariance 9
+_IMU = struct.Struct("<37d")  # quaternion 4, angular velocity 3, acceleration 3; each followed by its covariance 9
 _UNKNOWN_COVARIANCE = (0.0,) * 9
 _FIX = struct.Struct("<43d")  # position 3, quaternion 4, covariance 36
 _FIX_REST = tuple(UNMEASURED_VARIANCE if row == column else 0.0 for row in range(2, 6) for column in range(6))
@@ -113,7 +113,7 @@ def decode_ranges(data: bytes) -> tuple[int, RangeScan]:
     """
     leading, rows = cdr.read_double_array(data)
     if len(leading) != 1 or rows.shape[1] != 2:
-        raise cdr.MessageError(f"range scan has {len(leading)} leading numbers and {rows.shape[1]} columns, not 1 and 2")
+        raise cdr.MessageError(f"range scan has {len(leading)} + n x {rows.shape[1]} numbers, not 1 + n x 2")
     return int(leading[0]), RangeScan(rows[:, 0].astype(np.int64), np.ascontiguousarray(rows[:, 1]))
 
 

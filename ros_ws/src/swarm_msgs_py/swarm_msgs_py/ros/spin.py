@@ -1,0 +1,122 @@
+"""Running nodes: start ROS, take callbacks until asked to stop, leave cleanly."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.logging import get_logger
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from swarm_msgs_py.errors import SwarmError
+from swarm_msgs_py.ros.environment import stay_local
+from swarm_msgs_py.ros.log_bridge import bridge_logging
+
+SLICE_S = 0.2
+"""Longest time for which an idle executor keeps Python from handling signals and looking at pipes [s]."""
+
+EXIT_OK, EXIT_CRASHED, EXIT_BAD_INPUT = 0, 1, 2
+
+LEAN = {
+    "enable_rosout": False,
+    "start_parameter_services": False,
+    "parameter_overrides": [Parameter("start_type_description_service", value=False)],
+}
+"""Options of a node that is one of many: without its nine services and its log topic it starts in half the time."""
+
+
+@contextmanager
+def started(args: Sequence[str] | None = None, *, handle_signals: bool = False) -> Iterator[Executor]:
+    """Start ROS in this process and hand out an executor; both end with the context.
+
+    The events executor is the only one that carries fifty agents in lockstep (docs/results.md); of its spinning calls,
+    those without a time limit never run a callback in the version at hand, so use `spin_for`.
+    """
+    options = SignalHandlerOptions.ALL if handle_signals else SignalHandlerOptions.NO
+    context = Context()
+    rclpy.init(args=None if args is None else list(args), context=context, signal_handler_options=options)
+    executor = EventsExecutor(context=context)
+    try:
+        yield executor
+    finally:
+        for node in executor.get_nodes():
+            executor.remove_node(node)
+            node.destroy_node()
+        executor.shutdown()
+        context.try_shutdown()
+
+
+def spin_for(executor: Executor, duration_s: float, done: Future | None = None) -> None:
+    """Run callbacks for `duration_s`, or until `done` has its result."""
+    executor.spin_until_future_complete(done if done is not None else Future(), timeout_sec=duration_s)
+
+
+def spin_until(executor: Executor, is_over: Callable[[], bool]) -> None:
+    """Run callbacks until `is_over`, which is asked every `SLICE_S`, or until ROS is shut down."""
+    while executor.context.ok() and not is_over():
+        spin_for(executor, SLICE_S)
+
+
+def is_matched(nodes: Iterable[Node], needed: Callable[[str], bool]) -> bool:
+    """Return whether every publisher and subscription of `nodes` on a topic that is `needed` has a partner."""
+    return all(
+        publisher.get_subscription_count() > 0
+        for node in nodes
+        for publisher in node.publishers
+        if needed(publisher.topic_name)
+    ) and all(
+        subscription.get_publisher_count() > 0
+        for node in nodes
+        for subscription in node.subscriptions
+        if needed(subscription.topic_name)
+    )
+
+
+def run_node(make: Callable[[Context], Node], args: Sequence[str] | None = None) -> int:
+    """Run one node, as the only one of its process, until it is interrupted.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the node in the given context; may raise `SwarmError` for settings it cannot work with.
+    args : sequence of str or None
+        Command line with ROS arguments; None for that of the process.
+
+    Returns
+    -------
+    int
+        Exit code of the process: 0 after an interrupt, 1 after a crash, 2 for bad input.
+    """
+
+    def run(executor: Executor) -> None:
+        node = make(executor.context)
+        bridge_logging(node.get_logger())
+        executor.add_node(node)
+        spin_until(executor, lambda: False)
+
+    return run_with_ros(run, args)
+
+
+def run_with_ros(run: Callable[[Executor], None], args: Sequence[str] | None = None) -> int:
+    """Call `run` with ROS started, and return the exit code of the process as in `run_node`."""
+    stay_local(os.environ)
+    try:
+        with started(args, handle_signals=True) as executor:
+            run(executor)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return EXIT_OK
+    except SwarmError as error:
+        get_logger("swarm").fatal(str(error))
+        return EXIT_BAD_INPUT
+    except Exception as error:  # noqa: BLE001 - the one place where a node's crash becomes an exit code
+        get_logger("swarm").fatal(f"{type(error).__name__}: {error}")
+        return EXIT_CRASHED
+    return EXIT_OK

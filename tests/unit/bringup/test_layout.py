@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from bringup.layout import make_scene
+from bringup.resolution import resolve
+from bringup.scenario import Scenario, StartSpec
+from bringup.scenario_file import load_scenario
+from swarm_msgs_py.errors import ConfigError
+from swarm_sim.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def swarm() -> Scenario:
+    return resolve(*load_scenario("formation-50"))
+
+
+def started(scenario: Scenario, **start: object) -> Scenario:
+    return replace(scenario, robots=replace(scenario.robots, start=replace(scenario.robots.start, **start)))
+
+
+def positions(scene: Scene) -> np.ndarray:
+    return np.array([robot.position for robot in scene.robots])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_robots_keep_the_start_gap_to_each_other_and_to_walls(swarm: Scenario, seed: int) -> None:
+    scene = make_scene(replace(swarm, seed=seed))
+    points, radii = positions(scene), np.array([robot.type.coverage_radius_m for robot in scene.robots])
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=2) - radii[:, None] - radii[None]
+    walls = shapely.union_all([shapely.Polygon(obstacle) for obstacle in scene.obstacles])
+
+    assert gaps[~np.eye(len(points), dtype=bool)].min() >= 0.3 - 1e-9
+    assert (shapely.distance(walls, shapely.points(points)) - radii).min() >= 0.3 - 1e-9
+    assert np.abs(points).max() <= 45.0
+
+
+def test_the_seed_alone_decides_where_robots_start(swarm: Scenario) -> None:
+    same, other = make_scene(swarm), make_scene(replace(swarm, seed=2))
+
+    assert positions(make_scene(swarm)).tolist() == positions(same).tolist()
+    assert positions(other).tolist() != positions(same).tolist()
+
+
+def test_starts_fill_the_square_evenly(swarm: Scenario) -> None:
+    points = np.concatenate([positions(make_scene(replace(swarm, seed=seed))) for seed in range(20)])
+
+    quadrants = np.histogram2d(points[:, 0], points[:, 1], bins=2, range=[[-45, 45], [-45, 45]])[0]
+    # 1000 draws: 250 per quadrant, standard deviation below 14.
+    assert np.abs(quadrants - 250.0).max() < 60.0
+
+
+def test_explicit_start_points_are_taken_as_they_are(swarm: Scenario) -> None:
+    points = tuple((float(10 * (index % 8) - 40), float(12 * (index // 8) - 42)) for index in range(50))
+    scenario = started(replace(swarm, map=replace(swarm.map, obstacles=())), positions_m=points)
+
+    assert positions(make_scene(scenario)).tolist() == [list(point) for point in points]
+
+
+def test_explicit_start_points_in_a_wall_are_refused(swarm: Scenario) -> None:
+    points = tuple((2.0 * index - 45.0, -45.0) for index in range(49))
+    block = swarm.map.obstacles[0].vertices_m
+
+    with pytest.raises(ConfigError, match="r49 starts at .* in or against obstacle 0"):
+        make_scene(started(swarm, positions_m=(*points, (block[0][0] + 2.0, block[0][1] + 2.0))))
+
+
+def test_a_square_without_room_names_the_robot_and_the_remedy(swarm: Scenario) -> None:
+    with pytest.raises(ConfigError, match=r"no room for r\d+ after \d+ of 50 .* enlarge start.half_side_m"):
+        make_scene(started(swarm, half_side_m=2.0))
+
+
+@pytest.mark.parametrize(("share", "expected"), [(1.0, (17, 17, 16)), (0.15, (3, 3, 2)), (0.0, (0, 0, 0))])
+def test_position_sensors_are_spread_over_the_types(
+    swarm: Scenario, share: float, expected: tuple[int, int, int]
+) -> None:
+    scene = make_scene(replace(swarm, robots=replace(swarm.robots, position_sensor_share=share)))
+
+    carrying = tuple(sum(r.has_position_sensor for r in scene.robots if r.type.type == kind) for kind in (1, 2, 3))
+    assert carrying == expected
+
+
+def test_a_start_spec_in_a_scenario_checks_the_number_of_points(swarm: Scenario) -> None:
+    with pytest.raises(ConfigError, match="1 points for 50 robots"):
+        replace(swarm.robots, start=StartSpec(positions_m=((0.0, 0.0),)))

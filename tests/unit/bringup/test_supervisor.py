@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+from tick_builders import PERIOD, make_plan, make_tick
+
+from bringup.engine import TickRecord
+from bringup.scenario import SuccessSpec
+from bringup.supervisor import Supervisor, Verdict
+from swarm_msgs_py.types import MISSION, NodeId
+
+ROBOTS = (NodeId(0), NodeId(1))
+PLAN = make_plan([[0.0, 0.0], [2.0, 0.0]])
+AT_GOALS = [[0.1, 0.0], [2.0, 0.1]]
+HOLD_TICKS = 6  # 3 s at 0.5 s; rest is counted from the first sample on, so one tick more is needed
+
+
+def make_supervisor(duration_s: float = 1000.0) -> Supervisor:
+    return Supervisor(ROBOTS, SuccessSpec(), PERIOD, duration_s)
+
+
+def first_verdict(supervisor: Supervisor, records: list[TickRecord]) -> tuple[int, Verdict] | None:
+    for record in records:
+        verdict = supervisor.watch(record)
+        if verdict is not None:
+            return record.tick, verdict
+    return None
+
+
+def resting(ticks: int, points: list[list[float]], start: int = 1, **changes: object) -> list[TickRecord]:
+    return [make_tick(tick, points, **changes) for tick in range(start, start + ticks)]
+
+
+def test_rest_at_the_goals_for_the_hold_time_is_success() -> None:
+    supervisor = make_supervisor()
+    found = first_verdict(supervisor, [make_tick(0, AT_GOALS, plan=PLAN, speed=0.3), *resting(20, AT_GOALS)])
+
+    assert found is not None
+    tick, verdict = found
+    assert verdict.achieved
+    assert tick == HOLD_TICKS + 1
+    assert supervisor.at_goal == 2
+    assert "2 of 2 robots" in verdict.reason
+
+
+def test_moving_robots_have_not_succeeded() -> None:
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(30, AT_GOALS, speed=0.011)]
+
+    assert first_verdict(make_supervisor(), records) is None
+
+
+def test_a_twitch_restarts_the_hold_time() -> None:
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(4, AT_GOALS), make_tick(5, AT_GOALS, speed=0.5)]
+
+    found = first_verdict(make_supervisor(), [*records, *resting(20, AT_GOALS, start=6)])
+
+    assert found is not None
+    assert found[0] == 5 + HOLD_TICKS + 1
+
+
+def test_rest_inside_but_off_the_goal_is_no_success() -> None:
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(30, [[0.0, 0.3], [2.0, 0.0]])]
+    supervisor = make_supervisor()
+
+    assert first_verdict(supervisor, records) is None
+    assert supervisor.at_goal == 1
+
+
+def test_rest_at_a_goal_outside_the_contour_is_no_success() -> None:
+    plan = make_plan([[0.0, 0.0], [5.1, 0.0]])
+
+    records = [make_tick(0, AT_GOALS, plan=plan), *resting(30, [[0.0, 0.0], [5.1, 0.0]])]
+
+    assert first_verdict(make_supervisor(), records) is None
+
+
+def test_nothing_is_achieved_without_a_plan() -> None:
+    assert first_verdict(make_supervisor(), resting(30, AT_GOALS)) is None
+
+
+def test_a_new_plan_must_be_held_anew() -> None:
+    swapped = make_plan([[2.0, 0.0], [0.0, 0.0]])
+    records = [
+        make_tick(0, AT_GOALS, plan=PLAN),
+        *resting(4, AT_GOALS),
+        make_tick(5, AT_GOALS, plan=swapped),
+        *resting(20, AT_GOALS, start=6),
+    ]
+    supervisor = make_supervisor()
+
+    assert first_verdict(supervisor, records) is None
+    assert supervisor.at_goal == 0
+
+
+def test_the_living_succeed_without_the_dead() -> None:
+    dead = frozenset({NodeId(1)})
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(20, [[0.0, 0.0], [9.0, 9.0]], lost=dead)]
+
+    found = first_verdict(make_supervisor(), records)
+
+    assert found is not None
+    assert found[1].achieved
+    assert "1 of 1 robots at their goals, 1 lost" in found[1].reason
+
+
+def test_a_swarm_without_anybody_alive_has_failed() -> None:
+    found = first_verdict(make_supervisor(), resting(5, AT_GOALS, lost=frozenset(ROBOTS)))
+
+    assert found is not None
+    assert not found[1].achieved
+    assert "all 2 robots are lost" in found[1].reason
+
+
+def test_a_mission_computer_that_dies_before_the_plan_ends_the_run() -> None:
+    found = first_verdict(make_supervisor(), resting(5, AT_GOALS, lost=frozenset({MISSION})))
+
+    assert found is not None
+    assert found[1].reason.startswith("the mission computer died")
+
+
+def test_a_mission_computer_that_dies_after_the_plan_does_not_matter() -> None:
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(20, AT_GOALS, lost=frozenset({MISSION}))]
+
+    found = first_verdict(make_supervisor(), records)
+
+    assert found is not None
+    assert found[1].achieved
+
+
+def test_the_time_limit_names_who_is_missing() -> None:
+    found = first_verdict(make_supervisor(2.0), [make_tick(0, AT_GOALS, plan=PLAN), *resting(30, [[0, 0], [2, 4]])])
+
+    assert found is not None
+    tick, verdict = found
+    assert (tick + 1) * PERIOD == 2.0
+    assert verdict.reason == "time limit of 2 s: 1 of 2 robots at their goals; r01 4.0 m away"
+
+
+def test_the_time_limit_says_that_there_was_no_plan() -> None:
+    found = first_verdict(make_supervisor(2.0), resting(30, AT_GOALS))
+
+    assert found is not None
+    assert "no plan was made" in found[1].reason
+
+
+def test_success_in_the_last_tick_counts() -> None:
+    duration = PERIOD * (HOLD_TICKS + 2)
+    records = [make_tick(0, AT_GOALS, plan=PLAN, speed=0.3), *resting(30, AT_GOALS)]
+
+    found = first_verdict(make_supervisor(duration), records)
+
+    assert found is not None
+    assert found[1].achieved
+
+
+def test_an_interrupted_run_says_when_and_how_far_it_was() -> None:
+    supervisor = make_supervisor()
+    supervisor.watch(make_tick(0, AT_GOALS, plan=PLAN))
+
+    assert supervisor.interrupted(0.5) == Verdict(
+        False, "interrupted by the operator at 0.5 s: 2 of 2 robots at their goals"
+    )
+
+
+def test_a_robot_that_reports_no_goal_is_not_at_one() -> None:
+    supervisor = make_supervisor()
+    supervisor.watch(make_tick(0, AT_GOALS, goals=[-1, 1], plan=PLAN))
+
+    assert supervisor.at_goal == 1
