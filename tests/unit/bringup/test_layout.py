@@ -62,10 +62,10 @@ def test_explicit_start_points_are_taken_as_they_are(swarm: Scenario) -> None:
 
 
 def test_explicit_start_points_in_a_wall_are_refused(swarm: Scenario) -> None:
-    points = tuple((2.0 * index - 45.0, -45.0) for index in range(49))
+    points = tuple((1.8 * index - 45.0, -45.0) for index in range(49))
     block = swarm.map.obstacles[0].vertices_m
 
-    with pytest.raises(ConfigError, match="r49 starts at .* in or against obstacle 0"):
+    with pytest.raises(ConfigError, match=r"r49 starts at .* in or against obstacle 0"):
         make_scene(started(swarm, positions_m=(*points, (block[0][0] + 2.0, block[0][1] + 2.0))))
 
 

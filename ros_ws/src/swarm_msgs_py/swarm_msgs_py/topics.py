@@ -7,7 +7,7 @@ Nothing here needs ROS.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, IntFlag
 
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
 
@@ -29,6 +29,20 @@ class Delivery(Enum):
     EVERY_MESSAGE = "every message arrives, in order; the lockstep rests on it"
     NEWEST = "the newest few messages; losing an old one does no harm"
     LATCHED = "the last message also reaches those who come later"
+
+
+class Parts(IntFlag):
+    """Which messages of a tick accompany a batch of radio frames; travels in the batch's flags.
+
+    Messages of one tick arrive in any order over their topics. The batch comes every tick and says what belongs to it,
+    so a robot knows when it has heard everything.
+    """
+
+    NONE = 0
+    IMU = 1
+    FIX = 2
+    RANGES = 4
+    PROXIMITY = 8
 
 
 @dataclass(frozen=True, slots=True)

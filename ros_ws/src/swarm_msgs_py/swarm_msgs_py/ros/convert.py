@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import struct
-from enum import IntFlag
 
 import numpy as np
 
@@ -31,16 +30,6 @@ _UNKNOWN_COVARIANCE = (0.0,) * 9
 _FIX = struct.Struct("<43d")  # position 3, quaternion 4, covariance 36
 _FIX_REST = tuple(UNMEASURED_VARIANCE if row == column else 0.0 for row in range(2, 6) for column in range(6))
 _TWIST = struct.Struct("<6d")
-
-
-class Parts(IntFlag):
-    """Which messages of a tick accompany a batch of radio frames; travels in the batch's flags."""
-
-    NONE = 0
-    IMU = 1
-    FIX = 2
-    RANGES = 4
-    PROXIMITY = 8
 
 
 def body_frame(robot: NodeId) -> str:

@@ -6,6 +6,7 @@ import logging
 
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.node import Node
 
 
 class RosLogHandler(logging.Handler):
@@ -27,8 +28,8 @@ class RosLogHandler(logging.Handler):
         self._logger.get_child(record.name).log(self.format(record), severity)
 
 
-def bridge_logging(logger: RcutilsLogger, level: int = logging.INFO) -> None:
-    """Send everything that this process logs to a ROS logger, and nowhere else."""
+def bridge_logging(node: Node, level: int = logging.INFO) -> None:
+    """Send everything that this process logs to the logger of a node, and nowhere else."""
     root = logging.getLogger()
-    root.handlers = [RosLogHandler(logger)]
+    root.handlers = [RosLogHandler(node.get_logger())]
     root.setLevel(level)

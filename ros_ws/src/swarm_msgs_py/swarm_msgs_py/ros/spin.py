@@ -98,7 +98,7 @@ def run_node(make: Callable[[Context], Node], args: Sequence[str] | None = None)
 
     def run(executor: Executor) -> None:
         node = make(executor.context)
-        bridge_logging(node.get_logger())
+        bridge_logging(node)
         executor.add_node(node)
         spin_until(executor, lambda: False)
 

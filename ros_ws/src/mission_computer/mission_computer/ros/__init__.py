@@ -1,0 +1,1 @@
+"""ROS face of the mission computer."""

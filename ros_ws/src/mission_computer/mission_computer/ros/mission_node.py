@@ -1,0 +1,138 @@
+"""The mission computer as a ROS node: frames and the operator's shape in, frames and the plan out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from geometry_msgs.msg import PolygonStamped
+from rclpy.context import Context
+from rclpy.node import Node
+
+from mission_computer.config import MissionConfig
+from mission_computer.mission import Mission
+from mission_computer.roster import Roster
+from mission_computer.shape import load_shape
+from swarm_msgs_py import topics
+from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.frames import Batch, pack_batch, unpack_batch
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.ros import channels, convert, parameters, views
+from swarm_msgs_py.ros.spin import run_node
+from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
+from swarm_msgs_py.topics import Parts
+from swarm_msgs_py.types import MISSION, FloatArray
+
+NAME, NAMESPACE = "mission_computer", "mission"
+
+
+class Steps(Protocol):
+    """What the node runs: the mission computer."""
+
+    def step(self, inputs: MissionInputs) -> MissionOutputs:
+        """Advance by one tick."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionIdentity(Config):
+    """What a mission computer node started by itself is to do."""
+
+    shape: str = setting("hw_2_square", "shape to form: library name, file or points")
+    counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
+    seed: int = setting(0, "seed of the run", minimum=0)
+    period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
+
+    def __post_init__(self) -> None:
+        """Check that every count has its type.
+
+        Raises
+        ------
+        ConfigError
+            If there are more counts than types.
+        """
+        Config.__post_init__(self)
+        if len(self.counts) > len(THESIS_TYPES):
+            raise ConfigError(f"counts must name at most {len(THESIS_TYPES)} types, got {len(self.counts)}")
+
+
+class MissionNode(Node):
+    """ROS face of the mission computer.
+
+    Parameters
+    ----------
+    mission : Steps
+    period_s : float
+        Control period [s].
+    on_step : callable or None
+        Is handed what the mission computer answered, after it was sent.
+    **options
+        Of `rclpy.node.Node`.
+    """
+
+    def __init__(
+        self,
+        mission: Steps,
+        period_s: float,
+        on_step: Callable[[MissionOutputs], None] | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(NAME, namespace=NAMESPACE, **options)
+        self._mission, self._period, self._on_step = mission, period_s, on_step
+        self._ordered: FloatArray | None = None
+        self._radio = channels.publisher(self, topics.RADIO_TX, MISSION)
+        self._goals = channels.publisher(self, topics.GOALS)
+        self._markers = channels.publisher(self, topics.MARKERS)
+        channels.subscription(self, topics.SHAPE, self._take_shape)
+        channels.decoded_subscription(self, topics.RADIO_RX, _unpacked, self._take_batch, MISSION)
+
+    def _take_shape(self, message: PolygonStamped) -> None:
+        self._ordered = np.array([[point.x, point.y] for point in message.polygon.points]).reshape(-1, 2)
+
+    def _take_batch(self, batch: Batch) -> None:
+        shape, self._ordered = self._ordered, None
+        seconds = batch.tick * self._period
+        outputs = self._mission.step(MissionInputs(batch.tick, seconds, batch.frames, shape))
+        self._radio.publish(convert.encode_batch(pack_batch(outputs.tick, Parts.NONE, outputs.outbox)))
+        if self._on_step is not None:
+            self._on_step(outputs)
+        if outputs.plan is not None:
+            self._show(seconds, outputs.plan)
+
+    def _show(self, seconds: float, plan: Plan) -> None:
+        self._goals.publish(views.poses(seconds, plan.goals, np.zeros(len(plan.goals))))
+        self._markers.publish(views.plan_markers(seconds, plan))
+
+
+def _unpacked(data: bytes) -> Batch:
+    return unpack_batch(convert.decode_batch(data))
+
+
+def _from_parameters(context: Context) -> MissionNode:
+    """Make the node that the process's parameters describe, for a field without obstacles."""
+    reader = Node(f"{NAME}_parameters", context=context, enable_rosout=False)
+    try:
+        identity = parameters.declare_config(reader, MissionIdentity())
+        config = parameters.declare_config(reader, MissionConfig())
+        network = parameters.declare_config(reader, NetworkConfig())
+        parameters.refuse_unknown_overrides(reader)
+    finally:
+        reader.destroy_node()
+    roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
+    shape = load_shape(identity.shape)
+    mission = Mission(config, network, roster, (), shape, identity.period_s, identity.seed)
+    node = MissionNode(mission, identity.period_s, context=context)
+    for settings in (identity, config, network):
+        parameters.declare_config(node, settings)
+    return node
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the mission computer's node: ``ros2 run mission_computer mission_node``."""
+    sys.exit(run_node(_from_parameters, args))

@@ -1,0 +1,153 @@
+"""Messages for people who look: rviz, Foxglove, ``ros2 topic echo``. Nothing in the swarm reads them.
+
+They are built from nested message objects, which is slow, so a `View` builds one only while somebody subscribes, and
+not more often than a person can look.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Point, Pose, PoseArray, PoseStamped, Quaternion
+from nav_msgs.msg import Odometry, Path
+from rclpy.node import Node
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.report import AgentReport, Mode
+from swarm_msgs_py.orientation import quaternion_of
+from swarm_msgs_py.ros.cdr import NANO
+from swarm_msgs_py.ros.channels import publisher
+from swarm_msgs_py.ros.convert import MAP_FRAME, body_frame
+from swarm_msgs_py.topics import Channel, namespace_of
+from swarm_msgs_py.types import FloatArray, NodeId, robot_name
+
+VIEW_PERIOD_S = 0.1  # wall time between two messages of one view
+
+CONTOUR_COLOR = ColorRGBA(r=0.1, g=0.6, b=0.2, a=1.0)
+OBSTACLE_COLOR = ColorRGBA(r=0.5, g=0.5, b=0.5, a=1.0)
+GOAL_COLOR = ColorRGBA(r=0.9, g=0.6, b=0.1, a=1.0)
+LINE_WIDTH_M, GOAL_SIZE_M = 0.1, 0.3
+
+
+class View:
+    """A topic for viewers.
+
+    Parameters
+    ----------
+    node : Node
+    channel : Channel
+    address : NodeId or None
+        Whose topic, where each node has its own.
+    """
+
+    def __init__(self, node: Node, channel: Channel, address: NodeId | None = None) -> None:
+        self._publisher = publisher(node, channel, address)
+        self._due = -math.inf
+
+    def show(self, make: Callable[[], Any]) -> None:
+        """Publish what `make` returns, if somebody looks and has not just been shown."""
+        now = time.monotonic()
+        if now >= self._due and self._publisher.get_subscription_count():
+            self._due = now + VIEW_PERIOD_S
+            self._publisher.publish(make())
+
+
+def time_message(seconds: float) -> Time:
+    """Return simulated time [s] as a message."""
+    whole, nanoseconds = divmod(round(seconds * NANO), NANO)
+    return Time(sec=whole, nanosec=nanoseconds)
+
+
+def odometry(robot: NodeId, seconds: float, report: AgentReport) -> Odometry:
+    """Return a robot's own estimate with its covariance."""
+    message = Odometry(header=_header(seconds), child_frame_id=body_frame(robot))
+    message.pose.pose = _pose(report.position, report.yaw)
+    covariance = np.zeros((6, 6))
+    covariance[:2, :2] = report.covariance
+    message.pose.covariance = covariance.ravel()
+    cos, sin = math.cos(report.yaw), math.sin(report.yaw)
+    east, north = report.velocity.tolist()  # a twist is in the child frame
+    message.twist.twist.linear.x, message.twist.twist.linear.y = cos * east + sin * north, cos * north - sin * east
+    return message
+
+
+def path(seconds: float, report: AgentReport) -> Path:
+    """Return where a robot means to drive: its own position, then the way-points."""
+    header = _header(seconds)
+    points = [report.position, *report.path]
+    return Path(header=header, poses=[PoseStamped(header=header, pose=_pose(point, 0.0)) for point in points])
+
+
+def status(robot: NodeId, seconds: float, report: AgentReport) -> DiagnosticArray:
+    """Return a robot's mode, goal, neighbors and frame counts; not well while it has no position."""
+    counters = report.counters
+    values = {
+        "mode": report.mode.name.lower(),
+        "epoch": report.epoch,
+        "goal": report.goal,
+        "neighbors": " ".join(namespace_of(neighbor) for neighbor in report.neighbors),
+        "beacons": report.beacons,
+        "routes": report.routes,
+        "rows": report.rows,
+        "frames_sent": counters.frames_sent,
+        "frames_heard": counters.frames_heard,
+        "bytes_sent": counters.bytes_sent,
+        "bytes_heard": counters.bytes_heard,
+        "frames_corrupt": counters.corrupt,
+        "packets_unroutable": counters.unroutable,
+    }
+    state = DiagnosticStatus(
+        level=DiagnosticStatus.WARN if report.mode is Mode.WAITING else DiagnosticStatus.OK,
+        name=robot_name(robot),
+        hardware_id=robot_name(robot),
+        message=report.mode.name.lower(),
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+    )
+    return DiagnosticArray(header=_header(seconds), status=[state])
+
+
+def poses(seconds: float, positions: FloatArray, yaws: Iterable[float]) -> PoseArray:
+    """Return poses in the world frame, for (n, 2) positions [m] and n headings [rad]."""
+    posed = [_pose(position, yaw) for position, yaw in zip(positions, yaws, strict=True)]
+    return PoseArray(header=_header(seconds), poses=posed)
+
+
+def plan_markers(seconds: float, plan: Plan) -> MarkerArray:
+    """Return the plan's contour, obstacles and goals as markers."""
+    header = _header(seconds)
+    lines = [_outline(header, "contour", 0, plan.contour, CONTOUR_COLOR)]
+    lines += [_outline(header, "obstacles", k, corners, OBSTACLE_COLOR) for k, corners in enumerate(plan.obstacles)]
+    goals = Marker(header=header, ns="goals", type=Marker.SPHERE_LIST, color=GOAL_COLOR, points=_points(plan.goals))
+    goals.pose.orientation.w = 1.0
+    goals.scale.x = goals.scale.y = goals.scale.z = GOAL_SIZE_M
+    # What an earlier plan left on the screen goes first.
+    return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *lines, goals])
+
+
+def _outline(header: Header, name: str, number: int, corners: FloatArray, color: ColorRGBA) -> Marker:
+    closed = np.vstack([corners, corners[:1]])
+    marker = Marker(header=header, ns=name, id=number, type=Marker.LINE_STRIP, color=color, points=_points(closed))
+    marker.pose.orientation.w = 1.0
+    marker.scale.x = LINE_WIDTH_M
+    return marker
+
+
+def _points(positions: FloatArray) -> list[Point]:
+    return [Point(x=x, y=y, z=0.0) for x, y in positions.tolist()]
+
+
+def _pose(position: Sequence[float] | FloatArray, yaw: float) -> Pose:
+    z, w = quaternion_of(yaw)
+    return Pose(position=Point(x=float(position[0]), y=float(position[1])), orientation=Quaternion(z=z, w=w))
+
+
+def _header(seconds: float) -> Header:
+    return Header(stamp=time_message(seconds), frame_id=MAP_FRAME)

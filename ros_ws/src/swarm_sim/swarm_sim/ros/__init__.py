@@ -1,0 +1,1 @@
+"""ROS face of the simulated world."""

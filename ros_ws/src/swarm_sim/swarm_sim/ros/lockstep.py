@@ -1,0 +1,195 @@
+"""The loop that drives the world node: one tick after the other, never waiting forever."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from rclpy.executors import Executor
+from rclpy.task import Future
+
+from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.ros.spin import SLICE_S, spin_for
+from swarm_msgs_py.topics import namespace_of
+from swarm_msgs_py.types import MISSION, NodeId
+from swarm_sim.answers import Answers
+from swarm_sim.simulation import TickTruth
+
+ANSWER_SHARE = 0.7  # of a tick in real time, in which answers count; the rest is for physics and publishing
+NAMED_MAX = 6  # nodes that one alert names
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaceConfig(Config):
+    """How fast ticks follow each other."""
+
+    real_time: bool = setting(False, "pace ticks by the wall clock and wait for nobody")
+    deadline_s: float = setting(5.0, "wall time after which a node without an answer is silent", unit="s", above=0.0)
+    first_deadline_s: float = setting(30.0, "the same in the first ticks, in which plans are made", unit="s", above=0.0)
+    first_ticks: int = setting(10, "how many ticks the longer deadline holds", minimum=0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TickResult:
+    """One tick as the world saw it.
+
+    Attributes
+    ----------
+    truth : TickTruth
+    answered : frozenset of NodeId
+        Who answered in time.
+    alerts : tuple of str
+        Who fell silent, who is heard again, whom the operator killed.
+    lost : frozenset of NodeId
+        Who is dead.
+    """
+
+    truth: TickTruth
+    answered: frozenset[NodeId]
+    alerts: tuple[str, ...]
+    lost: frozenset[NodeId]
+
+
+class SteppedWorld(Protocol):
+    """The world node, as the loop sees it."""
+
+    period_s: float
+    is_paused: bool
+    answered: Future
+
+    @property
+    def tick(self) -> int:
+        """Number of the current tick."""
+        ...
+
+    def begin(self) -> None:
+        """Publish everything that belongs to the current tick."""
+        ...
+
+    def finish(self) -> tuple[TickTruth, Answers]:
+        """Apply what was answered and let the bodies move."""
+        ...
+
+    def bury(self, node: NodeId) -> None:
+        """Take a dead node out of the run."""
+        ...
+
+    def take_killed(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that the operator has killed."""
+        ...
+
+
+class Overseer(Protocol):
+    """Who decides how long the world runs, and hears how it went."""
+
+    def is_over(self) -> bool:
+        """Return whether to stop; asked several times per second."""
+        ...
+
+    def may_begin(self, tick: int) -> bool:
+        """Return whether a tick may start now; may wait for a short while."""
+        ...
+
+    def fallen(self) -> Iterable[NodeId]:
+        """Return the nodes whose processes have died since the last call."""
+        ...
+
+    def report(self, result: TickResult) -> None:
+        """Take in a tick that has run."""
+        ...
+
+
+class Lockstep:
+    """Runs a world node tick by tick.
+
+    Parameters
+    ----------
+    world : SteppedWorld
+    executor : Executor
+        Runs the world node, and maybe others.
+    pace : PaceConfig
+    overseer : Overseer
+    """
+
+    def __init__(self, world: SteppedWorld, executor: Executor, pace: PaceConfig, overseer: Overseer) -> None:
+        self._world, self._executor, self._pace, self._overseer = world, executor, pace, overseer
+        self._lost: set[NodeId] = set()
+        self._began: float | None = None  # when the last tick began, for pacing
+        self._alerts: list[str] = []
+
+    def run(self) -> None:
+        """Run until the overseer, or ROS, says that it is over."""
+        while not self._is_over():
+            self._bury_fallen()
+            if self._world.is_paused:
+                self._began = None
+                spin_for(self._executor, SLICE_S)
+            elif self._overseer.may_begin(self._world.tick):
+                self.run_tick()
+            else:
+                spin_for(self._executor, 0.0)
+
+    def run_tick(self) -> None:
+        """Run one tick, from publishing to the report."""
+        start = self._wait_for_start()
+        self._world.begin()
+        self._await_answers(start)
+        for robot in self._world.take_killed():
+            self._lost.add(robot)
+            self._alerts.append(f"{namespace_of(robot)} was killed by the operator")
+        lost = frozenset(self._lost)
+        truth, answers = self._world.finish()
+        if answers.silenced:
+            self._alerts.append(
+                f"{_named(answers.silenced)} did not answer tick {truth.tick} in time; going on without"
+            )
+        if answers.recovered:
+            self._alerts.append(f"{_named(answers.recovered)} answers again")
+        alerts, self._alerts = tuple(self._alerts), []
+        self._overseer.report(TickResult(truth, answers.complete, alerts, lost))
+
+    def _is_over(self) -> bool:
+        return self._overseer.is_over() or not self._executor.context.ok()
+
+    def _bury_fallen(self) -> None:
+        for node in self._overseer.fallen():
+            if node not in self._lost:
+                self._lost.add(node)
+                self._world.bury(node)
+
+    def _wait_for_start(self) -> float:
+        """Return the wall time at which this tick begins: now, or in real time not before its turn."""
+        now = time.monotonic()
+        if not self._pace.real_time or self._began is None:
+            self._began = now
+            return now
+        due = self._began + self._world.period_s
+        while now < due and not self._is_over():
+            spin_for(self._executor, min(SLICE_S, due - now))
+            now = time.monotonic()
+        # A world that cannot keep up falls behind the clock; it does not race to catch up.
+        self._began = max(due, now - self._world.period_s)
+        return self._began
+
+    def _await_answers(self, start: float) -> None:
+        """Run callbacks until all have answered, the deadline has passed or it is over."""
+        if self._pace.real_time:
+            deadline = start + ANSWER_SHARE * self._world.period_s
+        elif self._world.tick < self._pace.first_ticks:
+            deadline = start + self._pace.first_deadline_s
+        else:
+            deadline = start + self._pace.deadline_s
+        while not self._world.answered.done() and not self._is_over():
+            left = deadline - time.monotonic()
+            if left <= 0.0:
+                return
+            spin_for(self._executor, min(SLICE_S, left), self._world.answered)
+            self._bury_fallen()
+
+
+def _named(nodes: tuple[NodeId, ...]) -> str:
+    names = [("mission computer" if node == MISSION else namespace_of(node)) for node in nodes]
+    rest = len(names) - NAMED_MAX
+    return ", ".join(names[:NAMED_MAX]) + (f" and {rest} more" if rest > 0 else "")

@@ -1,0 +1,240 @@
+"""The simulated world as a ROS node: publish what everybody senses, collect what everybody does."""
+
+from __future__ import annotations
+
+import logging
+import math
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.task import Future
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import UInt16
+from std_srvs.srv import Trigger
+
+from swarm_msgs_py import topics
+from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.frames import Batch, pack_batch, unpack_batch
+from swarm_msgs_py.messages.control import VelocityCommand
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
+from swarm_msgs_py.ros.log_bridge import bridge_logging
+from swarm_msgs_py.ros.spin import run_with_ros
+from swarm_msgs_py.step_io import AgentInputs
+from swarm_msgs_py.topics import Parts
+from swarm_msgs_py.types import MISSION, NodeId
+from swarm_sim.answers import AnswerBook, Answers
+from swarm_sim.config import SimConfig
+from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
+from swarm_sim.scene import RobotSpec, Scene
+from swarm_sim.simulation import Simulation, TickTruth
+
+NAME, NAMESPACE = "world", "world"
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorldIdentity(Config):
+    """What stands in a world that is started by itself: robots in rows, no obstacles."""
+
+    counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
+    spacing_m: float = setting(2.0, "distance between robots at the start", unit="m", minimum=1.0, maximum=20.0)
+    bounds_m: float = setting(50.0, "half the side of the square arena", unit="m", above=0.0)
+    seed: int = setting(0, "seed of the run", minimum=0)
+
+
+class WorldNode(Node):
+    """ROS face of the simulation. A tick is `begin`, callbacks until `answered` is done, `finish`.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    period_s : float
+        Control period [s].
+    **options
+        Of `rclpy.node.Node`.
+
+    Attributes
+    ----------
+    answered : Future
+        Done as soon as nobody is left to wait for in this tick.
+    is_paused : bool
+        Whether the operator holds simulated time.
+    period_s : float
+        Control period [s].
+    """
+
+    def __init__(self, simulation: Simulation, period_s: float, **options: Any) -> None:
+        super().__init__(NAME, namespace=NAMESPACE, **options)
+        self._simulation, self.period_s = simulation, period_s
+        self._book = AnswerBook((*simulation.robots, MISSION))
+        self._killed: list[NodeId] = []
+        self.answered, self.is_paused = Future(), False
+        self._clock_topic = channels.publisher(self, topics.CLOCK)
+        self._truth = views.View(self, topics.TRUTH)
+        self._sensors = {
+            robot: tuple(channels.publisher(self, channel, robot) for channel in topics.ROBOT_SENSORS)
+            for robot in simulation.robots
+        }
+        self._mission_rx = channels.publisher(self, topics.RADIO_RX, MISSION)
+        for robot in simulation.robots:
+            self._listen(topics.CMD_VEL, convert.decode_command, self._take_command, robot)
+        for node in (*simulation.robots, MISSION):
+            self._listen(topics.RADIO_TX, _unpacked, self._take_frames, node)
+        channels.subscription(self, topics.KILL_ROBOT, self._take_kill)
+        self.create_service(Trigger, topics.PAUSE_SERVICE, lambda _, reply: self._hold(True, reply))
+        self.create_service(Trigger, topics.RESUME_SERVICE, lambda _, reply: self._hold(False, reply))
+
+    @property
+    def tick(self) -> int:
+        """Number of the current tick."""
+        return self._simulation.tick
+
+    @property
+    def missing(self) -> tuple[NodeId, ...]:
+        """Who has not answered the current tick yet."""
+        return self._book.missing
+
+    def begin(self) -> None:
+        """Publish everything that belongs to the current tick."""
+        seen = self._simulation.observe()
+        self.answered = Future()
+        self._book.open(seen.tick)
+        stamp = cdr.stamp(seen.time)
+        self._clock_topic.publish(Clock(clock=views.time_message(seen.time)))
+        batch = pack_batch(seen.tick, Parts.NONE, seen.mission.inbox)
+        self._mission_rx.publish(convert.encode_batch(batch))  # first, for the plan takes it longest
+        for robot, inputs in seen.agents.items():
+            self._publish_senses(robot, stamp, inputs)
+        self._check()
+
+    def finish(self) -> tuple[TickTruth, Answers]:
+        """Apply what was answered, let the bodies move, and return what happened."""
+        answers = self._book.close()
+        self._simulation.apply(answers.commands, answers.outboxes)
+        truth = self._simulation.advance()
+        self._truth.show(lambda: views.poses(truth.time, truth.positions, truth.yaws))
+        return truth, answers
+
+    def bury(self, node: NodeId) -> None:
+        """Take a robot or the mission computer out of the run: its electronics are dead."""
+        self._simulation.kill(node)
+        self._book.remove(node)
+        self._check()
+
+    def take_killed(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that the operator has killed."""
+        killed, self._killed = tuple(self._killed), []
+        return killed
+
+    def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
+        imu, fix, ranges, proximity, radio = self._sensors[robot]
+        frame = convert.body_frame(robot)
+        parts = Parts.IMU | Parts.RANGES | Parts.PROXIMITY
+        imu.publish(convert.encode_imu(stamp, frame, inputs.imu))
+        if inputs.fix is not None:
+            parts |= Parts.FIX
+            fix.publish(convert.encode_fix(stamp, inputs.fix))
+        ranges.publish(convert.encode_ranges(inputs.tick, inputs.ranges))
+        proximity.publish(convert.encode_proximity(stamp, frame, inputs.proximity))
+        radio.publish(convert.encode_batch(pack_batch(inputs.tick, parts, inputs.inbox)))
+
+    def _listen(
+        self,
+        channel: topics.Channel,
+        decode: Callable[[bytes], Any],
+        take: Callable[[NodeId, Any], None],
+        node: NodeId,
+    ) -> None:
+        channels.decoded_subscription(self, channel, decode, lambda record: take(node, record), node)
+
+    def _take_command(self, robot: NodeId, stamped: tuple[float, VelocityCommand]) -> None:
+        seconds, command = stamped
+        self._book.put_command(robot, convert.tick_at(seconds, self.period_s), command)
+        self._check()
+
+    def _take_frames(self, node: NodeId, batch: Batch) -> None:
+        self._book.put_frames(node, batch.tick, batch.frames)
+        self._check()
+
+    def _take_kill(self, message: UInt16) -> None:
+        if message.data not in self._simulation.robots:
+            logger.warning("%s: there is no robot %d", topics.KILL_ROBOT.topic(), message.data)
+            return
+        self._killed.append(NodeId(message.data))
+        self.bury(NodeId(message.data))
+
+    def _hold(self, is_paused: bool, reply: Trigger.Response) -> Trigger.Response:
+        self.is_paused = is_paused
+        reply.success = True
+        reply.message = f"simulated time {'stands' if is_paused else 'runs'} at tick {self.tick}"
+        return reply
+
+    def _check(self) -> None:
+        if self._book.is_complete and not self.answered.done():
+            self.answered.set_result(None)
+
+
+def _unpacked(data: bytes) -> Batch:
+    return unpack_batch(convert.decode_batch(data))
+
+
+class _Unattended:
+    """Lets a world that was started by itself run until ROS is shut down."""
+
+    def is_over(self) -> bool:
+        return False
+
+    def may_begin(self, tick: int) -> bool:  # noqa: ARG002 - part of the protocol
+        return True
+
+    def fallen(self) -> Iterable[NodeId]:
+        return ()
+
+    def report(self, result: TickResult) -> None:
+        for alert in result.alerts:
+            logger.warning(alert)
+
+
+def _scene(identity: WorldIdentity) -> Scene:
+    kinds = [kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count)]
+    columns = max(1, math.isqrt(len(kinds)))
+    places = [(number % columns - columns / 2, number // columns + 1) for number in range(len(kinds))]
+    robots = tuple(
+        RobotSpec(NodeId(number), kind, (x * identity.spacing_m, y * identity.spacing_m), 0.0, True)
+        for number, (kind, (x, y)) in enumerate(zip(kinds, places, strict=True))
+    )
+    half = identity.bounds_m
+    return Scene(robots, (), (-half, -half, half, half), (0.0, 0.0))
+
+
+def _run(executor: Executor) -> None:
+    """Run the world that the process's parameters describe."""
+    reader = Node(f"{NAME}_parameters", context=executor.context, enable_rosout=False)
+    try:
+        identity = parameters.declare_config(reader, WorldIdentity())
+        config = parameters.declare_config(reader, SimConfig())
+        pace = parameters.declare_config(reader, PaceConfig())
+        parameters.refuse_unknown_overrides(reader)
+    finally:
+        reader.destroy_node()
+    simulation = Simulation(config, _scene(identity), identity.seed)
+    try:
+        node = WorldNode(simulation, config.period_s, context=executor.context)
+        for settings in (identity, config, pace):
+            parameters.declare_config(node, settings)
+        bridge_logging(node)
+        executor.add_node(node)
+        Lockstep(node, executor, pace, _Unattended()).run()
+    finally:
+        simulation.close()
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the world's node: ``ros2 run swarm_sim world_node --ros-args -p counts:=[2,1]``."""
+    sys.exit(run_with_ros(_run, args))

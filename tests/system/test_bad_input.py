@@ -1,0 +1,215 @@
+"""The table of bad input: each case ends with code 2 and one line that names place, key and remedy; nothing happens."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from run_folders import FAST
+
+from bringup.cli import main
+from bringup.inprocess import InProcessEngine
+from bringup.scenario_file import SCENARIOS
+
+Change = Callable[[dict[str, Any]], Any]
+
+
+def changed(change: Change) -> str:
+    """Return the smoke scenario's text after a change."""
+    data = yaml.safe_load((SCENARIOS / "smoke-4.yaml").read_text())
+    change(data)
+    return yaml.safe_dump(data)
+
+
+def types(*groups: dict[str, Any]) -> Change:
+    return lambda data: data["robots"].update(types=list(groups))
+
+
+FENCE = [[-5, -1.2], [5, -1.2], [5, -1.4], [-5, -1.4]]
+FILES = {
+    "not a mapping": ("just text", r"bad\.yaml: expected keys and values"),
+    "not YAML": ("name: [1, 2", r"bad\.yaml: not YAML \(line \d+, column \d+\)"),
+    "unknown key": (changed(lambda d: d.update(speeed=1)), r"bad\.yaml: speeed: unknown key"),
+    "unknown nested key, nearest named": (
+        changed(lambda d: d["sim"]["terrain"].update(groud="plane")),
+        r"bad\.yaml: sim\.terrain\.groud: unknown key; did you mean 'ground'\?",
+    ),
+    "missing key": (changed(lambda d: d.pop("shape")), r"bad\.yaml: shape: missing; add it"),
+    "wrong type": (changed(lambda d: d.update(duration_s="long")), r"duration_s: expected a number, got 'long'"),
+    "text for a list": (changed(types("all")), r"robots\.types\[0\]: expected keys and values"),  # type: ignore[arg-type]
+    "negative radius": (
+        changed(types({"type": 1, "count": 2, "coverage_radius_m": -0.1})),
+        r"robots\.types\[0\]\.coverage_radius_m: must be > 0 m, got -0\.1",
+    ),
+    "NaN": (
+        changed(lambda d: d["shape"].update(scale=float("nan"))),
+        r"shape\.scale: must be > 0 and <= 10000, got nan",
+    ),
+    "unknown type without mechanics": (
+        changed(types({"type": 7, "count": 2})),
+        r"robots\.types\[0\]\.mass_kg: missing",
+    ),
+    "type named twice": (
+        changed(types({"type": 1, "count": 2}, {"type": 1, "count": 2})),
+        r"robots: types lists type 1 2 times; merge",
+    ),
+    "no robots": (changed(types({"type": 1, "count": 0})), r"robots: types has no robots; set the count"),
+    "start points for other robots": (
+        changed(lambda d: d["robots"]["start"].update(positions_m=[[0, 0]])),
+        r"start\.positions_m has 1 points for 4 robots",
+    ),
+    "robots on top of each other": (
+        changed(lambda d: d["robots"]["start"].update(positions_m=[[0, 0], [0.1, 0], [2, 0], [3, 0]])),
+        r"bad\.yaml: robots: scene: r00 and r01 overlap at the start .*; move one",
+    ),
+    "no room to start": (
+        changed(lambda d: d["robots"]["start"].update(half_side_m=0.2)),
+        r"bad\.yaml: robots: no room for r0\d .*; enlarge start\.half_side_m",
+    ),
+    "shape of nothing": (changed(lambda d: d.update(shape={})), r"bad\.yaml: shape: no shape; give one of name, file"),
+    "shape crossing itself": (
+        changed(lambda d: d.update(shape={"points": [[0, 0], [2, 2], [2, 0], [0, 2]]})),
+        r"bad\.yaml: shape: .*crosses or touches itself at \(1\.00, 1\.00\)",
+    ),
+    "shape with NaN": (
+        changed(lambda d: d.update(shape={"points": [[0, 0], [2, float("nan")], [2, 2]]})),
+        r"bad\.yaml: shape\.points\[1\]\[1\]: must be a finite number",
+    ),
+    "shape of two points": (
+        changed(lambda d: d.update(shape={"points": [[0, 0], [2, 2]]})),
+        r"bad\.yaml: shape: .*only 2 different vertices; a contour needs at least 3",
+    ),
+    "shape too small, needed size told": (
+        changed(lambda d: d["shape"].update(scale=0.6)),
+        r"bad\.yaml: shape: a shape of .* needs .* m2; scale it by at least",
+    ),
+    "shape out of bounds": (
+        changed(lambda d: d["shape"].update(translation_m=[4.5, 0])),
+        r"bad\.yaml: shape: 'hw_2_square': vertex .* outside the arena .*; move or shrink",
+    ),
+    "obstacle over the shape": (
+        changed(lambda d: d["shape"].update(translation_m=[2.5, 2.5])),
+        r"bad\.yaml: shape: lies over obstacle 'post' near \(2\.\d, 2\.\d\); move one of them",
+    ),
+    "missing shape file": (
+        changed(lambda d: d.update(shape={"file": "gone.json"})),
+        r"bad\.yaml: shape: gone\.json: no such file",
+    ),
+    "unknown map": (changed(lambda d: d.update(map={"name": "arena_mian"})), r"did you mean 'arena_main'\?"),
+    "bounds in disorder": (
+        changed(lambda d: d["map"].update(bounds_m=[5, -5, -5, 5])),
+        r"bad\.yaml: map: bounds_m must be \[x_min",
+    ),
+    "obstacle crossing itself": (
+        changed(lambda d: d["map"].update(obstacles=[{"name": "bow", "vertices_m": [[3, 3], [4, 4], [4, 3], [3, 4]]}])),
+        r"bad\.yaml: map: obstacle 'bow': .*crosses or touches itself",
+    ),
+    "robots walled off from the shape": (
+        changed(
+            lambda d: (
+                d["map"].update(obstacles=[{"name": "fence", "vertices_m": FENCE}]),
+                d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [2, -3], [3, 3]]),
+            )
+        ),
+        r"bad\.yaml: robots: no path leads from r00, r01, r02 to the shape; move",
+    ),
+    "settings that contradict each other": (
+        changed(lambda d: d.update(agent={"control": {"park_m": 0.5, "unpark_m": 0.1}})),
+        r"bad\.yaml: agent\.control: unpark_m must be > park_m",
+    ),
+}
+
+OPTIONS = {
+    "unknown option": (["--sede", "3"], r"--sede: unknown option; did you mean '--seed'\?"),
+    "stray word": (["demo"], r"demo: unknown option"),
+    "option without value": (["--agents"], r"--agents: expected one argument"),
+    "no agents": (["--agents", "0"], r"--agents: expected a whole number from 1 to 1000, got '0'"),
+    "agents in words": (["--agents", "many"], r"--agents: expected a whole number"),
+    "more agents than the shape holds": (["--agents", "900"], r"too small for 900 robots: needs"),
+    "negative seed": (["--seed", "-1"], r"--seed: expected a whole number"),
+    "unknown engine": (["--engine", "rso"], r"--engine: there is no 'rso'; did you mean 'ros'\?"),
+    "unknown physics": (["--physics", "bulet"], r"--physics: there is no 'bulet'; did you mean 'bullet'\?"),
+    "unknown method": (["--method", "bubble"], r"--method bubble: mission\.partition\.method: .*bubble-packing"),
+    "unknown scenario": (["--scenario", "formation-5"], r"--scenario formation-5: .*did you mean 'formation-50'\?"),
+    "missing scenario file": (["--scenario", "gone.yaml"], r"gone\.yaml: no such file"),
+    "folder as a scenario": (["--scenario", "./"], r"cannot be read \(Is a directory\)"),
+    "unknown shape": (["--shape", "formation_9"], r"--shape formation_9: .*did you mean 'formation_4'\?"),
+    "missing shape file on the command line": (["--shape", "gone.json"], r"--shape gone\.json: .*no such file"),
+    "unknown map on the command line": (["--map", "arena"], r"--map arena: .*did you mean|choose from"),
+    "assignment without value": (["--set", "loss"], r"--set loss: expected key=value"),
+    "assignment to nothing": (["--set", "radio.los=1"], r"--set radio\.los: unknown key 'radio\.los'; did you mean"),
+    "ambiguous assignment": (["--set", "period_s=1"], r"--set period_s: 'period_s' could be .* or .*; write one"),
+    "assignment out of range": (["--set", "radio.loss=2"], r"--set radio\.loss: sim\.radio\.loss: must be >= 0 and <= 1"),
+    "assignment of broken YAML": (["--set", "name=[1"], r"--set name: the value is not YAML"),
+    "processes without ROS": (["--agents-per-process", "2"], r"--agents-per-process: only the ros engine"),
+    "recording": (["--record"], r"--record: recordings are not part of this version; leave the option out"),
+    "out folder in use": (["--out", "used"], r"--out used: is not empty; give a new folder"),
+    "out folder below a file": (["--out", "used/file/below"], r"--out used/file/below: cannot be written"),
+    "out folder where nobody may write": (["--out", "/proc/nobody/here"], r"--out /proc/nobody/here: cannot be written"),
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def nothing_may_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run in a folder of our own, in which one folder is in use; fail where an engine starts."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "used").mkdir()
+    (tmp_path / "used" / "file").write_text("precious")
+    monkeypatch.setattr(InProcessEngine, "__enter__", lambda _: pytest.fail("an engine was started"))
+
+
+def assert_refused(argv: list[str], pattern: str, capsys: pytest.CaptureFixture[str]) -> None:
+    before = sorted(Path().rglob("*"))
+
+    code = main(argv)
+
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    assert re.fullmatch(r"error: [^\n]+\n", captured.err)
+    assert re.search(pattern, captured.err)
+    assert sorted(Path().rglob("*")) == before
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_bad_file_is_refused(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text, pattern = FILES[case]
+    (tmp_path / "bad.yaml").write_text(text)
+
+    assert_refused([*FAST, "--scenario", "bad.yaml"], pattern, capsys)
+
+
+@pytest.mark.parametrize("case", OPTIONS)
+def test_a_bad_option_is_refused(case: str, capsys: pytest.CaptureFixture[str]) -> None:
+    options, pattern = OPTIONS[case]
+
+    assert_refused([*FAST, "--scenario", "smoke-4", *options], pattern, capsys)
+
+
+@pytest.mark.parametrize(
+    ("library", "options", "pattern"),
+    [
+        (
+            "rclpy",
+            ["--engine", "ros", "--physics", "massdamper"],
+            "rclpy is not installed; .* or use --engine inprocess",
+        ),
+        ("pybullet", ["--engine", "inprocess"], "pybullet is not installed; .* or use --physics massdamper"),
+    ],
+)
+def test_a_missing_library_is_told_before_the_start(
+    library: str,
+    options: list[str],
+    pattern: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == library else find(name))
+
+    assert_refused(options, pattern, capsys)
