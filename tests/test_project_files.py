@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 import subprocess
@@ -10,7 +11,7 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
-from source_tree import PACKAGES, ROOT, SRC, imported_packages, is_ros, modules_of, script_modules
+from source_tree import PACKAGES, ROOT, SRC, Module, imported_packages, is_ros, modules_of, script_modules
 
 REQUIREMENTS = sorted((ROOT / "requirements").glob("*.txt"))
 PIN = re.compile(r"[a-z0-9][a-z0-9-]*==[0-9][0-9a-z.]*")
@@ -148,9 +149,16 @@ def document_commands() -> list[list[str]]:
 
 
 def foreign(package: str) -> set[str]:
-    """Return the packages that `package` imports beyond itself and the standard library."""
-    names = {name for module in modules_of(package) for name in imported_packages(module)}
+    """Return the packages that `package` imports or names as the home of an interface, without the standard library."""
+    names = {name for module in modules_of(package) for name in imported_packages(module) | interface_packages(module)}
     return {name for name in names if name != package and not is_standard(name)}
+
+
+def interface_packages(module: Module) -> set[str]:
+    """Return the packages of interfaces that a module writes as text, like ``"sensor_msgs/msg/Imu"``."""
+    texts = [node.value for node in ast.walk(module.tree) if isinstance(node, ast.Constant)]
+    found = [re.fullmatch(r"(\w+)/(?:msg|srv|action)/\w+", text) for text in texts if isinstance(text, str)]
+    return {match[1] for match in found if match}
 
 
 def is_standard(name: str) -> bool:

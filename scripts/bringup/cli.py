@@ -104,7 +104,12 @@ def _make_engine(arguments: Arguments, actors: ScenarioActors) -> Engine:
     if arguments.engine is EngineKind.INPROCESS:
         return InProcessEngine(actors, real_time=arguments.real_time)
     # Imported on demand: everything else must work where ROS is not installed.
-    module = import_module("bringup.ros_engine")
+    try:
+        module = import_module("bringup.ros_engine")
+    except ImportError as error:
+        raise ConfigError(
+            f"--engine ros: ROS 2 cannot be loaded ({error}); mend it or use --engine inprocess"
+        ) from None
     engine: Engine = module.RosEngine(
         actors, agents_per_process=arguments.agents_per_process, real_time=arguments.real_time
     )

@@ -53,7 +53,7 @@ class Progress:
 
     def say(self, line: str) -> None:
         """Print one line of its own."""
-        self._console.print(Text(line))
+        self._console.print(Text(line), soft_wrap=True)
 
     def show(self, record: TickRecord, end: float, at_goal: int) -> None:
         """Take in one tick.
@@ -84,7 +84,7 @@ class Progress:
         """Print an alert; one that repeats tick after tick is printed once."""
         if alert not in self._alerts:
             self._alerts.append(alert)
-            self._console.print(Text(f"{at:7.1f} s  ALERT  {alert}", style="bold red"))
+            self._console.print(Text(f"{at:7.1f} s  ALERT  {alert}", style="bold red"), soft_wrap=True)
 
     def _line(self, end: float, wall: float, at_goal: int, lost: int) -> Text:
         factor = f"{end / wall:5.1f} x real time" if wall > REFRESH_S else "   -  x real time"
@@ -99,7 +99,7 @@ def print_summary(console: Console, metrics: FormationMetrics, folder: str) -> N
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     for label, value in _rows(metrics):
         table.add_row(label, value)
-    console.print(Text(metrics.reason, style="bold green" if metrics.achieved else "bold red"))
+    console.print(Text(metrics.reason, style="bold green" if metrics.achieved else "bold red"), soft_wrap=True)
     console.print(table)
     console.print(Text(f"results: {folder}"), soft_wrap=True)
 

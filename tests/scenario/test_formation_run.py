@@ -10,11 +10,12 @@ from run_folders import FAST, FILES, metrics_of, png_size, run_in_process
 
 from bringup.cli import main
 
-COMMON_KEYS = (
-    "scenario family method seed engine physics robots achieved reason ticks sim_time_s wall_time_s real_time_factor"
-    " startup_s total_displacement_m displacement_lower_bound_m settling_time_s collisions min_clearance_m"
-    " localization_rmse_m localization_max_m radio_frames radio_bytes radio_peak_bps lost_robots"
-).split()
+COMMON_KEYS = [
+    *("scenario", "family", "method", "seed", "engine", "physics", "robots", "achieved", "reason", "ticks"),
+    *("sim_time_s", "wall_time_s", "real_time_factor", "startup_s", "total_displacement_m"),
+    *("displacement_lower_bound_m", "settling_time_s", "collisions", "min_clearance_m", "localization_rmse_m"),
+    *("localization_max_m", "radio_frames", "radio_bytes", "radio_peak_bps", "lost_robots"),
+]
 FORMATION_KEYS = ["mesh_topological", "mesh_geometrical", "goals_reached"]
 WALL_KEYS = {"wall_time_s", "real_time_factor", "startup_s"}
 

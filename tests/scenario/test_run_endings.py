@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from run_folders import metrics_of
 from rich.console import Console
+from run_folders import metrics_of
 
 import bringup.figure
 from bringup.compose import ScenarioActors

@@ -15,6 +15,7 @@ from run_folders import FAST
 from bringup.cli import main
 from bringup.inprocess import InProcessEngine
 from bringup.scenario_file import SCENARIOS
+from swarm_msgs_py.errors import ConfigError
 
 Change = Callable[[dict[str, Any]], Any]
 
@@ -30,7 +31,12 @@ def types(*groups: dict[str, Any]) -> Change:
     return lambda data: data["robots"].update(types=list(groups))
 
 
-FENCE = [[-5, -1.2], [5, -1.2], [5, -1.4], [-5, -1.4]]
+PEN = [
+    {"name": "north", "vertices_m": [[-2.2, -1.6], [2.2, -1.6], [2.2, -1.4], [-2.2, -1.4]]},
+    {"name": "south", "vertices_m": [[-2.2, -4.4], [2.2, -4.4], [2.2, -4.2], [-2.2, -4.2]]},
+    {"name": "west", "vertices_m": [[-2.2, -4.4], [-2.0, -4.4], [-2.0, -1.4], [-2.2, -1.4]]},
+    {"name": "east", "vertices_m": [[2.0, -4.4], [2.2, -4.4], [2.2, -1.4], [2.0, -1.4]]},
+]
 FILES = {
     "not a mapping": ("just text", r"bad\.yaml: expected keys and values"),
     "not YAML": ("name: [1, 2", r"bad\.yaml: not YAML \(line \d+, column \d+\)"),
@@ -112,8 +118,8 @@ FILES = {
     "robots walled off from the shape": (
         changed(
             lambda d: (
-                d["map"].update(obstacles=[{"name": "fence", "vertices_m": FENCE}]),
-                d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [2, -3], [3, 3]]),
+                d["map"].update(obstacles=PEN),
+                d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [-1, -3], [3, 3]]),
             )
         ),
         r"bad\.yaml: robots: no path leads from r00, r01, r02 to the shape; move",
@@ -143,14 +149,14 @@ OPTIONS = {
     "unknown map on the command line": (["--map", "arena"], r"--map arena: .*did you mean|choose from"),
     "assignment without value": (["--set", "loss"], r"--set loss: expected key=value"),
     "assignment to nothing": (["--set", "radio.los=1"], r"--set radio\.los: unknown key 'radio\.los'; did you mean"),
-    "ambiguous assignment": (["--set", "period_s=1"], r"--set period_s: 'period_s' could be .* or .*; write one"),
-    "assignment out of range": (["--set", "radio.loss=2"], r"--set radio\.loss: sim\.radio\.loss: must be >= 0 and <= 1"),
+    "ambiguous assignment": (["--set", "sigma_m=1"], r"--set sigma_m: 'sigma_m' could be .* or .*; write one"),
+    "assignment out of range": (["--set", "radio.loss=2"], r"--set radio\.loss: sim\.radio\.loss: must be >= 0"),
     "assignment of broken YAML": (["--set", "name=[1"], r"--set name: the value is not YAML"),
     "processes without ROS": (["--agents-per-process", "2"], r"--agents-per-process: only the ros engine"),
     "recording": (["--record"], r"--record: recordings are not part of this version; leave the option out"),
     "out folder in use": (["--out", "used"], r"--out used: is not empty; give a new folder"),
     "out folder below a file": (["--out", "used/file/below"], r"--out used/file/below: cannot be written"),
-    "out folder where nobody may write": (["--out", "/proc/nobody/here"], r"--out /proc/nobody/here: cannot be written"),
+    "out folder where nobody may write": (["--out", "/proc/nobody/here"], r"--out /proc/nobody/here: cannot be"),
 }  # fmt: skip
 
 
@@ -189,6 +195,20 @@ def test_a_bad_option_is_refused(case: str, capsys: pytest.CaptureFixture[str]) 
     options, pattern = OPTIONS[case]
 
     assert_refused([*FAST, "--scenario", "smoke-4", *options], pattern, capsys)
+
+
+def test_an_engine_that_refuses_to_start_leaves_no_folder(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_: InProcessEngine) -> InProcessEngine:
+        raise ConfigError("ROS_DOMAIN_ID=7: is in use by another swarm; choose another number")
+
+    monkeypatch.setattr(InProcessEngine, "__enter__", refuse)
+    before = sorted(Path().rglob("*"))
+
+    assert main([*FAST, "--out", "new/run"]) == 2
+    assert capsys.readouterr().err == "error: ROS_DOMAIN_ID=7: is in use by another swarm; choose another number\n"
+    assert sorted(Path().rglob("*")) == before
 
 
 @pytest.mark.parametrize(

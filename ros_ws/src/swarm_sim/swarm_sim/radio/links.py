@@ -43,8 +43,8 @@ class LinkModel:
 
     def evaluate(self, positions: FloatArray, alive: NDArray[np.bool_]) -> LinkTable:
         """Return the links of radios at `positions` (n, 2) [m] of which `alive` (n,) are on."""
-        offsets = positions[:, None] - positions[None, :]
-        distances = np.sqrt((offsets**2).sum(axis=2))
+        x, y = positions.T
+        distances = np.hypot(x[:, None] - x, y[:, None] - y)
         first, second = np.nonzero(np.triu((distances < self._range) & alive & alive[:, None], k=1))
         is_free = ~self._obstacles.is_blocked(positions[first], positions[second])
         connected = np.zeros(distances.shape, dtype=np.bool_)

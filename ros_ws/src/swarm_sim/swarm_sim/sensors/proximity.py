@@ -67,10 +67,10 @@ class Proximity:
 
     def _robot_points(self, centers: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the observers (k,) and nearest circle points (k, 2) of all pairs of robots within reach."""
-        offsets = centers[None, :] - centers[:, None]
-        distances = np.sqrt((offsets**2).sum(axis=2))
+        x, y = centers.T
+        distances = np.hypot(x - x[:, None], y - y[:, None])
         surface = np.maximum(distances - self._radii, 0.0)
         np.fill_diagonal(surface, np.inf)
         observers, seen = np.nonzero(surface <= self._config.range_m)
         share = surface[observers, seen] / np.maximum(distances[observers, seen], np.finfo(np.float64).tiny)
-        return observers, centers[observers] + offsets[observers, seen] * share[:, None]
+        return observers, centers[observers] + share[:, None] * (centers[seen] - centers[observers])

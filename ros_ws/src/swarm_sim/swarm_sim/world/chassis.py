@@ -17,7 +17,7 @@ not topple the lightest type."""
 HULL_BOTTOM_M = 0.18
 HULL_TOP_M = 0.28
 """Band of height that the hull covers [m]: the same for all types, so that every robot stops every other, and so high
-above the ground that the engine need not compare it with the ground's facets (a third of the step time)."""
+above the ground that the engine need not compare it with the ground's facets (a sixth of a tick)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

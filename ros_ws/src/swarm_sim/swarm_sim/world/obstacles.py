@@ -111,12 +111,16 @@ class ObstacleField:
         Both ends are taken to be outside; so a segment that touches no boundary is free.
         """
         blocked: BoolArray = np.zeros(len(starts), dtype=np.bool_)
+        if not (len(starts) and self.count):
+            return blocked
         low, high = np.minimum(starts, ends), np.maximum(starts, ends)
-        overlaps = ((low[:, None] <= self._high) & (high[:, None] >= self._low)).all(axis=-1)
-        for obstacle in np.flatnonzero(overlaps.any(axis=0)):
-            rows: IntArray = np.flatnonzero(overlaps[:, obstacle] & ~blocked)
-            edges, along, _ = self._edges_of(int(obstacle))
-            blocked[rows] = _any_crossing(starts[rows], ends[rows], edges, along)
+        (west, south), (east, north) = low.T.copy(), high.T.copy()
+        is_near = ((self._low <= high.max(axis=0)) & (self._high >= low.min(axis=0))).all(axis=1)
+        for obstacle in np.flatnonzero(is_near).tolist():
+            (x_min, y_min), (x_max, y_max) = self._low[obstacle], self._high[obstacle]
+            rows = np.flatnonzero((west <= x_max) & (east >= x_min) & (south <= y_max) & (north >= y_min))
+            edges, along, _ = self._edges_of(obstacle)
+            blocked[rows] |= _any_crossing(starts[rows], ends[rows], edges, along)
         return blocked
 
     def _edges_of(self, obstacle: int) -> tuple[FloatArray, FloatArray, FloatArray]:

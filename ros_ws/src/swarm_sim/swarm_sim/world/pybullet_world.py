@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import chain
 
 import numpy as np
 
@@ -45,8 +46,9 @@ with _quiet_stderr():  # PyBullet announces its build time when it is imported
 
 GRAVITY = 9.81
 WALL_HEIGHT_M = 1.5
+"""Of walls above the highest ground."""
 WALL_DEPTH_M = 1.0
-"""How far walls reach below the datum [m], so that no dip of the ground lets a robot under."""
+"""Of walls below the deepest ground, so that no dip lets a robot under."""
 FENCE_THICKNESS_M = 1.0
 """Walls around the outer edge of the ground: nobody falls off the world."""
 SOLVER_ITERATIONS = 6
@@ -59,6 +61,9 @@ ANGULAR_DAMPING = 0.04
 """Bullet's default, stated: takes the swing out of roll and pitch."""
 
 ROBOT_GROUP, STATIC_GROUP = 1, 2
+"""Collision filter bits: static bodies are compared with robots only."""
+POSE_SIZE, VELOCITY_SIZE = 7, 6
+"""Numbers in a pose (position, quaternion) and in a velocity (linear, angular)."""
 
 
 class PyBulletWorld:
@@ -162,13 +167,14 @@ class PyBulletWorld:
     def _read_velocities(self) -> FloatArray:
         """Return linear and angular velocities (n, 6), world frame."""
         client, read = self._client, pybullet.getBaseVelocity
-        pairs = [read(body, client) for body in self._bodies]
-        return np.array([linear + angular for linear, angular in pairs])
+        flat = chain.from_iterable(chain.from_iterable([read(body, client) for body in self._bodies]))
+        return np.fromiter(flat, np.float64, VELOCITY_SIZE * len(self._bodies)).reshape(-1, VELOCITY_SIZE)
 
     def _read(self) -> BodyState:
         client = self._client
-        poses = [pybullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
-        table = np.array([position + orientation for position, orientation in poses])
+        read = pybullet.getBasePositionAndOrientation
+        flat = chain.from_iterable(chain.from_iterable([read(body, client) for body in self._bodies]))
+        table = np.fromiter(flat, np.float64, POSE_SIZE * len(self._bodies)).reshape(-1, POSE_SIZE)
         spins = self._read_velocities()
         x, y, z, w = table[:, 3:].T
         yaws = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
@@ -202,9 +208,9 @@ class _SceneBuilder:
         self._add_ground(config.terrain.ground, terrain)
         for polygon in scene.obstacles:
             for piece in convex_pieces(polygon):
-                self._add_wall(piece, grip)
+                self._add_wall(piece, terrain, grip)
         for side in _fence(terrain):
-            self._add_wall(side, grip)
+            self._add_wall(side, terrain, grip)
         shapes = {robot_type: self._chassis_shape(robot_type) for robot_type in dict.fromkeys(types)}
         return [
             self._add_robot(robot.type, shapes[robot.type], (*robot.position, robot.yaw), terrain)
@@ -228,8 +234,9 @@ class _SceneBuilder:
             center = float(terrain.heights.min() + terrain.heights.max()) / 2.0
         self._add_static(shape, (*terrain.center, center), 0.0)
 
-    def _add_wall(self, corners: FloatArray, friction: float) -> None:
-        low, high = (np.column_stack([corners, np.full(len(corners), z)]) for z in (-WALL_DEPTH_M, WALL_HEIGHT_M))
+    def _add_wall(self, corners: FloatArray, terrain: Terrain, friction: float) -> None:
+        levels = terrain.heights.min() - WALL_DEPTH_M, terrain.heights.max() + WALL_HEIGHT_M
+        low, high = (np.column_stack([corners, np.full(len(corners), level)]) for level in levels)
         shape = pybullet.createCollisionShape(
             pybullet.GEOM_MESH, vertices=np.concatenate([low, high]).tolist(), physicsClientId=self._client
         )

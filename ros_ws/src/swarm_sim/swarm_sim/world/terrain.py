@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import Ground, TerrainConfig
@@ -17,6 +18,8 @@ WAVES = 24
 """Number of plane waves; enough for heights that look Gaussian."""
 SHORTEST_CELLS = 4.0
 """Shortest wavelength, in cells: what the grid can still show."""
+STEEPEST = 0.35
+"""Steepest slope that a robot can stand on: the lightest type topples at 0.38, and 8 N hold 1.5 kg up to 0.54."""
 SHOULDER_M = 4.0
 """Width of the ring around the arena in which the waves fade out [m]."""
 
@@ -70,6 +73,11 @@ def make_terrain(config: TerrainConfig, bounds: tuple[float, float, float, float
         The arena [m].
     seed : int
         Seed of the run.
+
+    Raises
+    ------
+    ConfigError
+        If the ground would be too steep to stand on.
     """
     x_min, y_min, x_max, y_max = bounds
     origin = (x_min - config.margin_m, y_min - config.margin_m)
@@ -83,7 +91,14 @@ def make_terrain(config: TerrainConfig, bounds: tuple[float, float, float, float
         np.maximum(np.maximum(x_min - x, x - x_max), 0.0), np.maximum(np.maximum(y_min - y, y - y_max), 0.0)
     )
     fade = np.clip(1.0 - outside / min(SHOULDER_M, config.margin_m / 2.0), 0.0, 1.0)
-    return Terrain(waves * (3.0 - 2.0 * fade) * fade**2, origin)  # smooth step: no edge at the shoulder
+    heights: FloatArray = waves * (3.0 - 2.0 * fade) * fade**2  # smooth step: no edge at the shoulder
+    steepest = float(np.hypot(np.diff(heights, axis=0)[:, 1:], np.diff(heights, axis=1)[1:]).max()) / CELL_M
+    if steepest > STEEPEST:
+        raise ConfigError(
+            f"terrain: slopes of up to {steepest:.2f} topple robots (limit {STEEPEST:g}); lower amplitude_m or "
+            "roughness, or raise wavelength_m"
+        )
+    return Terrain(heights, origin)
 
 
 def _waves(config: TerrainConfig, x: FloatArray, y: FloatArray, seed: int) -> FloatArray:

@@ -1,0 +1,166 @@
+"""What the child processes of a ROS run do: the world, the mission computer, and groups of agents."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from bringup.engine import Actors
+from bringup.link import Link
+from bringup.telemetry import AgentReports, Fallen, MissionTick, Ready, RunUntil, Stop, WorldTick
+from mission_computer.ros.mission_node import MissionNode
+from swarm_agent.ros.agent_node import AgentNode
+from swarm_msgs_py import topics
+from swarm_msgs_py.messages.report import AgentReport
+from swarm_msgs_py.ros.log_bridge import bridge_logging
+from swarm_msgs_py.ros.parameters import declare_config
+from swarm_msgs_py.ros.spin import LEAN, is_matched, spin_for, spin_until, started
+from swarm_msgs_py.step_io import AgentOutputs, MissionOutputs
+from swarm_msgs_py.types import MISSION, NodeId
+from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
+from swarm_sim.ros.world_node import WorldNode
+
+MATCH_INTERVAL_S = 0.02
+CREDIT_WAIT_S = 0.05
+LOG_LEVEL = logging.WARNING  # the operator reads the alerts; what goes well is not worth a line from fifty nodes
+"""From which level on the cores' log goes to ROS."""
+
+
+class Supervision:
+    """A child's view of its link: whether to stop, and for the world how far it may run."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._is_stopped = False
+        self._limit = 0
+        self._fallen: list[NodeId] = []
+
+    def is_over(self) -> bool:
+        """Return whether the orchestrator has said stop, or is gone."""
+        self._link.flush()
+        for record in self._link.receive():
+            if isinstance(record, Stop):
+                self._is_stopped = True
+            elif isinstance(record, RunUntil):
+                self._limit = record.tick
+            elif isinstance(record, Fallen):
+                self._fallen += record.nodes
+        return self._is_stopped or not self._link.is_open
+
+    def may_begin(self, tick: int) -> bool:
+        """Return whether a tick may start, after waiting a short while for permission."""
+        if tick >= self._limit:
+            self._link.wait(CREDIT_WAIT_S)
+            self.is_over()
+        return tick < self._limit
+
+    def fallen(self) -> Iterable[NodeId]:
+        """Return, once, the nodes whose processes have died."""
+        fallen, self._fallen = self._fallen, []
+        return fallen
+
+    def report(self, result: TickResult) -> None:
+        """Send the account of a tick."""
+        self._link.send(WorldTick(result.truth, result.answered, result.alerts, result.lost))
+
+
+class Reporter:
+    """Sends the reports of a process's agents in one record per tick."""
+
+    def __init__(self, link: Link, count: int) -> None:
+        self._link, self._count = link, count
+        self._tick = -1
+        self._reports: dict[NodeId, AgentReport] = {}
+
+    def take(self, robot: NodeId, outputs: AgentOutputs) -> None:
+        """Take one agent's outputs; its report leaves with the last of the tick."""
+        if outputs.tick != self._tick:
+            self.send()
+            self._tick = outputs.tick
+        self._reports[robot] = outputs.report
+        if len(self._reports) == self._count:
+            self.send()
+
+    def send(self) -> None:
+        """Send what is there, for agents of this process may have died or fallen behind."""
+        if self._reports:
+            self._link.send(AgentReports(self._tick, self._reports))
+            self._reports = {}
+
+
+def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
+    """Be the world until told to stop."""
+    supervision = Supervision(link)
+    simulation = actors.simulation()
+    try:
+        with started() as executor:
+            node = WorldNode(simulation, actors.period_s, context=executor.context)
+            _set_up(node, executor, actors.world_config, pace)
+            if _await_partners(link, executor, [node], _lockstep_topics(actors.robots), supervision.is_over):
+                Lockstep(node, executor, pace, supervision).run()
+    finally:
+        simulation.close()
+
+
+def run_mission(link: Link, actors: Actors) -> None:
+    """Be the mission computer until told to stop."""
+    supervision = Supervision(link)
+    with started() as executor:
+
+        def report(outputs: MissionOutputs) -> None:
+            link.send(MissionTick(outputs.tick, outputs.report, outputs.plan))
+
+        node = MissionNode(actors.mission(), actors.period_s, report, context=executor.context)
+        _set_up(node, executor, actors.mission_config)
+        if _await_partners(link, executor, [node], _lockstep_topics(()), supervision.is_over):
+            spin_until(executor, supervision.is_over)
+
+
+def run_agents(link: Link, actors: Actors, robots: tuple[NodeId, ...], *, is_lean: bool) -> None:
+    """Be some robots until told to stop."""
+    supervision, reporter = Supervision(link), Reporter(link, len(robots))
+    options: dict[str, Any] = LEAN if is_lean else {}
+
+    def is_over() -> bool:
+        reporter.send()
+        return supervision.is_over()
+
+    def sink(robot: NodeId) -> Callable[[AgentOutputs], None]:
+        return lambda outputs: reporter.take(robot, outputs)
+
+    with started() as executor:
+        nodes = []
+        for robot in robots:
+            agent = actors.agent(robot)
+            node = AgentNode(agent, robot, actors.period_s, sink(robot), context=executor.context, **options)
+            _set_up(node, executor, actors.agent_config)
+            nodes.append(node)
+        if _await_partners(link, executor, nodes, _lockstep_topics(robots), supervision.is_over):
+            spin_until(executor, is_over)
+
+
+def _set_up(node: Any, executor: Any, *settings: Any) -> None:
+    for config in settings:
+        declare_config(node, config)
+    bridge_logging(node, LOG_LEVEL)
+    executor.add_node(node)
+
+
+def _lockstep_topics(robots: tuple[NodeId, ...]) -> frozenset[str]:
+    """Return the topics without which these robots and the mission computer cannot run."""
+    per_robot = (*topics.ROBOT_SENSORS, *topics.ROBOT_ANSWERS)
+    names = {channel.topic(robot) for robot in robots for channel in per_robot}
+    return frozenset(names | {channel.topic(MISSION) for channel in topics.MISSION_CHANNELS})
+
+
+def _await_partners(
+    link: Link, executor: Any, nodes: list[Any], needed: frozenset[str], is_over: Callable[[], bool]
+) -> bool:
+    """Report that this process is ready as soon as it is; return False if it was stopped before."""
+    while not is_matched(nodes, needed.__contains__):
+        if is_over():
+            return False
+        spin_for(executor, MATCH_INTERVAL_S)
+    link.send(Ready())
+    return True

@@ -1,0 +1,81 @@
+"""What the processes of a ROS run tell the orchestrator, and what it tells them.
+
+Telemetry leaves the swarm and never enters it: robots decide nothing from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.report import AgentReport, MissionReport
+from swarm_msgs_py.types import NodeId
+from swarm_sim.simulation import TickTruth
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """From any child: its nodes are up and everybody they need is connected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """From any child, before it ends: why."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldTick:
+    """From the world: a tick has run.
+
+    Attributes
+    ----------
+    truth : TickTruth
+    answered : frozenset of NodeId
+        Who answered in time; their reports are on the way.
+    alerts : tuple of str
+    lost : frozenset of NodeId
+    """
+
+    truth: TickTruth
+    answered: frozenset[NodeId]
+    alerts: tuple[str, ...]
+    lost: frozenset[NodeId]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AgentReports:
+    """From a process of agents: what its robots said of themselves in a tick."""
+
+    tick: int
+    reports: Mapping[NodeId, AgentReport]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MissionTick:
+    """From the mission computer: its report of a tick, and the plan if it changed."""
+
+    tick: int
+    report: MissionReport
+    plan: Plan | None
+
+
+@dataclass(frozen=True, slots=True)
+class RunUntil:
+    """To the world: ticks below `tick` may begin. Keeps it from running away from a slow reader of the records."""
+
+    tick: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fallen:
+    """To the world: the processes of these nodes have died."""
+
+    nodes: tuple[NodeId, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """To any child: end."""

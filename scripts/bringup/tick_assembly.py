@@ -1,0 +1,85 @@
+"""Puts together the records of ticks from what the processes of a run report, in whatever order it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from bringup.engine import TickRecord
+from bringup.telemetry import AgentReports, MissionTick, WorldTick
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.report import AgentReport
+from swarm_msgs_py.types import MISSION, NodeId
+
+
+class TickAssembly:
+    """Holds ticks back until the report of everybody who answered in time has come, then hands them out in order."""
+
+    def __init__(self) -> None:
+        self._next = 0
+        self._worlds: dict[int, WorldTick] = {}
+        self._reports: dict[int, dict[NodeId, AgentReport]] = {}
+        self._missions: dict[int, MissionTick] = {}
+        self._dead: set[NodeId] = set()
+        self._alerts: list[str] = []
+        self._late_plan: Plan | None = None
+
+    def put_world(self, tick: WorldTick) -> None:
+        """Take the world's account of a tick."""
+        self._worlds[tick.truth.tick] = tick
+
+    def put_agents(self, reports: AgentReports) -> None:
+        """Take the reports of some agents; those that come too late are dropped."""
+        if reports.tick >= self._next:
+            self._reports.setdefault(reports.tick, {}).update(reports.reports)
+
+    def put_mission(self, tick: MissionTick) -> None:
+        """Take the mission computer's report; of one that comes too late the plan still counts."""
+        if tick.tick >= self._next:
+            self._missions[tick.tick] = tick
+        elif tick.plan is not None:
+            self._late_plan = tick.plan
+
+    def bury(self, nodes: Iterable[NodeId]) -> None:
+        """Wait no more for reports of nodes whose process has died."""
+        self._dead |= set(nodes)
+
+    def alert(self, line: str) -> None:
+        """Put a line into the next record."""
+        self._alerts.append(line)
+
+    def take_ready(self) -> Iterator[TickRecord]:
+        """Yield the records that are complete."""
+        while self._is_ready():
+            yield self._take()
+
+    def _is_ready(self) -> bool:
+        world = self._worlds.get(self._next)
+        if world is None:
+            return False
+        awaited = world.answered - self._dead
+        if MISSION in awaited and self._next not in self._missions:
+            return False
+        return awaited - {MISSION} <= self._reports.get(self._next, {}).keys()
+
+    def _take(self) -> TickRecord:
+        tick = self._next
+        self._next += 1
+        world, mission = self._worlds.pop(tick), self._missions.pop(tick, None)
+        reports = self._reports.pop(tick, {})
+        if MISSION not in world.answered and mission is not None:
+            self._late_plan = mission.plan or self._late_plan
+            mission = None
+        plan = mission.plan if mission is not None else None
+        if plan is None:
+            plan, self._late_plan = self._late_plan, None
+        notice = (mission.report.notice,) if mission is not None and mission.report.notice else ()
+        alerts, self._alerts = (*self._alerts, *world.alerts, *notice), []
+        return TickRecord(
+            tick=tick,
+            truth=world.truth,
+            reports={robot: reports[robot] for robot in sorted(reports.keys() & world.answered)},
+            mission=mission.report if mission is not None else None,
+            plan=plan,
+            alerts=alerts,
+            lost=world.lost,
+        )
