@@ -25,10 +25,11 @@ from bringup.run import execute, write_results
 from bringup.run_folder import RunFolder, reserve_default
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario
-from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_msgs_py.errors import ConfigError, PhysicsError, ShapeError, SwarmError
 from swarm_sim.config import Backend
 
 ACHIEVED, NOT_ACHIEVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+WRONG_INPUT = (ConfigError, ShapeError, PhysicsError)  # the other errors are nobody's fault: a node did not come up
 RUNS = Path("runs")
 
 
@@ -41,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 return _run(arguments, interruption, stdout, console)
         except SwarmError as error:
             print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
-            return BAD_INPUT
+            return BAD_INPUT if isinstance(error, WRONG_INPUT) else NOT_ACHIEVED
         except KeyboardInterrupt:
             print("interrupted before the start; nothing was written", file=sys.stderr)
             return INTERRUPTED
@@ -53,7 +54,7 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
     Raises
     ------
     SwarmError
-        Before anything was started or written.
+        Before the first tick; nothing was written then.
     KeyboardInterrupt
         As long as there is nothing to keep.
     """

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 from bringup.layout import make_scene, robot_types
 from bringup.resolution import contour_of
@@ -19,11 +18,23 @@ from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ScenarioActors:
-    """The actors of one resolved scenario; implements `bringup.engine.Actors`."""
+    """The actors of one resolved scenario; implements `bringup.engine.Actors`.
+
+    Attributes
+    ----------
+    scenario : Scenario
+    scene : Scene
+        What stands where at the start; made once, before the processes part.
+    """
 
     scenario: Scenario
+    scene: Scene = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Place everything."""
+        object.__setattr__(self, "scene", make_scene(self.scenario))
 
     @property
     def robots(self) -> tuple[NodeId, ...]:
@@ -49,11 +60,6 @@ class ScenarioActors:
     def agent_config(self) -> AgentConfig:
         """Settings of every robot."""
         return self.scenario.agent
-
-    @cached_property
-    def scene(self) -> Scene:
-        """What stands where at the start."""
-        return make_scene(self.scenario)
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""

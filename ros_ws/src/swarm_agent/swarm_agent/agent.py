@@ -29,6 +29,10 @@ UNKNOWN_SIGMA = 1000.0
 """Standard deviation [m] that a robot claims while it has no idea where it is."""
 
 
+_ORIGIN = np.zeros(2)
+_ORIGIN.flags.writeable = False
+
+
 class Agent:
     """One robot: sense, localize, listen, decide, control, speak.
 
@@ -137,11 +141,10 @@ class Agent:
 
     def _presence(self, estimate: Estimate | None, mode: Mode) -> Presence:
         book = self._consensus.book
-        known = estimate is not None
         return Presence(
-            position=estimate.position if known else np.zeros(2),
-            velocity=estimate.velocity if known else np.zeros(2),
-            sigma=math.sqrt(float(np.trace(estimate.covariance)) / 2.0) if known else UNKNOWN_SIGMA,
+            position=estimate.position if estimate else _ORIGIN,
+            velocity=estimate.velocity if estimate else _ORIGIN,
+            sigma=math.sqrt(float(np.trace(estimate.covariance)) / 2.0) if estimate else UNKNOWN_SIGMA,
             robot_type=self._type.type,
             is_beacon=self._has_sensor,
             mode=int(mode),
