@@ -211,6 +211,36 @@ def test_an_engine_that_refuses_to_start_leaves_no_folder(
     assert sorted(Path().rglob("*")) == before
 
 
+@pytest.mark.needs_ros
+@pytest.mark.parametrize(
+    ("domain", "pattern"),
+    [(None, r"ROS_DOMAIN_ID: domain \d+ is in use by .*; set ROS_DOMAIN_ID to another"), ("x", "whole number .* 'x'")],
+    ids=["taken", "not a number"],
+)
+def test_a_ros_domain_that_cannot_be_had_is_refused(
+    domain: str | None,
+    pattern: str,
+    domain_id: int,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from bringup.domain_guard import DomainGuard  # noqa: PLC0415 - imports ROS names
+
+    if domain is not None:
+        monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+    guard = DomainGuard(domain_id)
+    guard.acquire()
+    before = sorted(Path().rglob("*"))
+    try:
+        code = main(["--physics", "massdamper", "--scenario", "smoke-4"])
+    finally:
+        guard.release()
+
+    assert code == 2
+    assert re.fullmatch(f"error: [^\n]*{pattern}[^\n]*\n", capsys.readouterr().err)
+    assert sorted(Path().rglob("*")) == before
+
+
 @pytest.mark.parametrize(
     ("library", "options", "pattern"),
     [

@@ -173,7 +173,7 @@ def test_the_mission_computer_may_die_too() -> None:
 
 
 def test_a_silent_robot_holds_its_command_for_a_while_and_then_stops() -> None:
-    sim = make_simulation(servo=ServoConfig(command_timeout_s=1.0))
+    sim = make_simulation(servo=ServoConfig(command_hold_s=1.0))
     run(sim, 3)
 
     speeds = []

@@ -62,7 +62,10 @@ class ServoConfig(Config):
     """The velocity servo in the robots' firmware."""
 
     gains: GainSet = setting(GainSet.RECOMMENDED, "recommended, table_4_2 or weights (thesis eq. (3.108)-(3.111))")
-    command_timeout_s: float = setting(1.0, "a robot that gets no new command for longer stops", unit="s", minimum=0.0)
+    command_hold_s: float = setting(
+        0.0, "how long a command holds beyond the tick it was made for; 0 keeps collision avoidance safe when a robot "
+        "falls silent, since neighbors count on no more than one tick of motion", unit="s", minimum=0.0,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -119,7 +119,7 @@ class Simulation:
         self._tick = 0
         self._alive = np.ones(len(self._row), dtype=np.bool_)  # robots, then the mission computer
         self._setpoints = np.zeros((len(self.robots), 3))
-        self._patience = int(config.servo.command_timeout_s / config.period_s + 1e-9)
+        self._patience = int(config.servo.command_hold_s / config.period_s + 1e-9)
         self._unanswered = np.zeros(len(self.robots), dtype=np.int64)
         self._mean_accelerations = np.zeros((len(self.robots), 2))
         self._traffic = RadioTraffic()
@@ -154,7 +154,7 @@ class Simulation:
     def apply(self, commands: Mapping[NodeId, VelocityCommand], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
         """Hand over what the actors answered in this tick; at most once per tick.
 
-        A live robot without an answer keeps its last command for `servo.command_timeout_s`, then it stops. What comes
+        A live robot without an answer keeps its last command for `servo.command_hold_s` more, then it stops. What comes
         from a dead node is ignored.
 
         Parameters

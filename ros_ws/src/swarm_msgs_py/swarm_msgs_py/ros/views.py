@@ -55,8 +55,10 @@ class View:
     def show(self, make: Callable[[], Any]) -> None:
         """Publish what `make` returns, if somebody looks and has not just been shown."""
         now = time.monotonic()
-        if now >= self._due and self._publisher.get_subscription_count():
-            self._due = now + VIEW_PERIOD_S
+        if now < self._due:
+            return
+        self._due = now + VIEW_PERIOD_S
+        if self._publisher.get_subscription_count():
             self._publisher.publish(make())
 
 

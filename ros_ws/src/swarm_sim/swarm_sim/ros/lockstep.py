@@ -142,9 +142,7 @@ class Lockstep:
         lost = frozenset(self._lost)
         truth, answers = self._world.finish()
         if answers.silenced:
-            self._alerts.append(
-                f"{_named(answers.silenced)} did not answer tick {truth.tick} in time; going on without"
-            )
+            self._alerts.append(f"{_named(answers.silenced)} did not answer tick {truth.tick} in time; not waited for")
         if answers.recovered:
             self._alerts.append(f"{_named(answers.recovered)} answers again")
         alerts, self._alerts = tuple(self._alerts), []

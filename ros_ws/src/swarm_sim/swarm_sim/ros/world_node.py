@@ -35,6 +35,9 @@ from swarm_sim.simulation import Simulation, TickTruth
 
 NAME, NAMESPACE = "world", "world"
 
+_WITHOUT_FIX = int(Parts.IMU | Parts.RANGES | Parts.PROXIMITY)
+_WITH_FIX = int(Parts.FIX) | _WITHOUT_FIX
+
 logger = logging.getLogger(__name__)
 
 
@@ -135,13 +138,12 @@ class WorldNode(Node):
     def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
         imu, fix, ranges, proximity, radio = self._sensors[robot]
         frame = convert.body_frame(robot)
-        parts = Parts.IMU | Parts.RANGES | Parts.PROXIMITY
         imu.publish(convert.encode_imu(stamp, frame, inputs.imu))
         if inputs.fix is not None:
-            parts |= Parts.FIX
             fix.publish(convert.encode_fix(stamp, inputs.fix))
         ranges.publish(convert.encode_ranges(inputs.tick, inputs.ranges))
         proximity.publish(convert.encode_proximity(stamp, frame, inputs.proximity))
+        parts = _WITHOUT_FIX if inputs.fix is None else _WITH_FIX
         radio.publish(convert.encode_batch(pack_batch(inputs.tick, parts, inputs.inbox)))
 
     def _listen(

@@ -1,0 +1,64 @@
+"""Small swarms for tests of the ROS nodes: real worlds, agents and mission computers in an empty field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mission_computer.config import MissionConfig
+from mission_computer.mission import Mission
+from mission_computer.roster import Roster
+from swarm_agent.agent import Agent
+from swarm_agent.config import AgentConfig
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.types import NodeId
+from swarm_sim.config import Backend, PhysicsConfig, SimConfig
+from swarm_sim.scene import RobotSpec, Scene
+from swarm_sim.simulation import Simulation
+
+PERIOD = 0.5
+SEED = 5
+SQUARE = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0], [-3.0, 3.0]])
+SMALL = THESIS_TYPES[0]
+
+
+@dataclass(frozen=True)
+class SmallSwarm:
+    """`count` robots in a row, north of a square; implements `bringup.engine.Actors`."""
+
+    count: int
+
+    @property
+    def robots(self) -> tuple[NodeId, ...]:
+        return tuple(NodeId(number) for number in range(self.count))
+
+    @property
+    def period_s(self) -> float:
+        return PERIOD
+
+    @property
+    def world_config(self) -> SimConfig:
+        return SimConfig(physics=PhysicsConfig(backend=Backend.MASSDAMPER))
+
+    @property
+    def mission_config(self) -> MissionConfig:
+        return MissionConfig()
+
+    @property
+    def agent_config(self) -> AgentConfig:
+        return AgentConfig()
+
+    def simulation(self) -> Simulation:
+        robots = tuple(
+            RobotSpec(robot, SMALL, (1.5 * (robot - self.count / 2), 6.0), 0.1 * robot, True) for robot in self.robots
+        )
+        return Simulation(self.world_config, Scene(robots, (), (-20.0, -20.0, 20.0, 20.0), (0.0, 0.0)), SEED)
+
+    def mission(self) -> Mission:
+        roster = Roster.of([SMALL] * self.count)
+        return Mission(self.mission_config, NetworkConfig(), roster, (), SQUARE, PERIOD, SEED)
+
+    def agent(self, robot: NodeId) -> Agent:
+        return Agent(robot, self.agent_config, SMALL, PERIOD)
