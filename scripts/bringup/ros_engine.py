@@ -18,6 +18,7 @@ from bringup.telemetry import AgentReports, Fallen, MissionTick, RunUntil, World
 from bringup.tick_assembly import TickAssembly
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.environment import LOCALHOST_PROCESSES_MAX, PROCESSES_MAX, use_loopback
+from swarm_msgs_py.ros.spin import has_started
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
 from swarm_sim.ros.lockstep import PaceConfig
 
@@ -86,22 +87,14 @@ class RosEngine:
         ConfigError
             If the domain is taken, or the swarm would need more processes than find each other.
         SwarmError
-            If a process does not become ready.
+            If a process does not become ready, or ROS was used in this process before.
         """
         began = time.monotonic()
-        self._guard = DomainGuard(domain_of(os.environ))
-        self._guard.acquire()
-        self._environment = dict(os.environ)
-        self._folder = tempfile.TemporaryDirectory(prefix="swarm-")
-        has_loopback = use_loopback(os.environ, Path(self._folder.name))
-        groups = self._grouped(PROCESSES_MAX if has_loopback else LOCALHOST_PROCESSES_MAX)
-        actors, pace, is_lean = self._actors, self._pace, len(self._actors.robots) >= LEAN_FROM
-        self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
-        self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors))
-        for robots in groups:
-            self._start_agents(robots, is_lean)
-        await_ready(self._group, READY_DEADLINE_S)
-        self._world.link.send(RunUntil(TICKS_AHEAD))
+        try:
+            self._start()
+        except BaseException:  # also an interrupt: what was started must not stay
+            self.__exit__(None, None, None)
+            raise
         self.startup_s = time.monotonic() - began
         return self
 
@@ -137,6 +130,23 @@ class RosEngine:
             for child, message in self._group.poll(POLL_S):
                 self._take(child, message)
 
+    def _start(self) -> None:
+        if has_started():
+            raise SwarmError("ROS was used in this process before, so it cannot fork a swarm; start it in a fresh one")
+        self._guard = DomainGuard(domain_of(os.environ))
+        self._guard.acquire()
+        self._environment = dict(os.environ)
+        self._folder = tempfile.TemporaryDirectory(prefix="swarm-")
+        has_loopback = use_loopback(os.environ, Path(self._folder.name))
+        groups = self._grouped(PROCESSES_MAX if has_loopback else LOCALHOST_PROCESSES_MAX)
+        actors, pace, is_lean = self._actors, self._pace, len(self._actors.robots) >= LEAN_FROM
+        self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
+        self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors))
+        for robots in groups:
+            self._start_agents(robots, is_lean)
+        await_ready(self._group, READY_DEADLINE_S)
+        self._world.link.send(RunUntil(TICKS_AHEAD))
+
     def _take(self, child: Child, message: object) -> None:
         """Sort what a child has sent; None means that it has died."""
         if isinstance(message, AgentReports):
@@ -171,7 +181,9 @@ class RosEngine:
             If there would be too many processes.
         """
         robots, size = tuple(sorted(self._actors.robots)), self._per_process
-        groups = [robots[start : start + size] for start in range(0, len(robots), size)]
+        # Dealt out like cards: the world publishes in order of robot, so all processes have work from the start.
+        count = math.ceil(len(robots) / size)
+        groups = [robots[first::count] for first in range(count)]
         room = processes_max - 2 - VIEWERS  # world and mission computer
         if len(groups) > room:
             raise ConfigError(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from rclpy.executors import Executor
 from rclpy.node import Node
 
 from swarm_msgs_py.ros.channels import message_type, quality_of
+from swarm_msgs_py.ros.environment import use_loopback
 from swarm_msgs_py.ros.spin import spin_for, started
 from swarm_msgs_py.topics import Channel
 from swarm_msgs_py.types import NodeId
@@ -60,9 +64,11 @@ class RosHarness:
 
 @contextmanager
 def harness() -> Iterator[RosHarness]:
-    """Start ROS for one test."""
-    with started([]) as executor:
-        yield RosHarness(executor)
+    """Start ROS for one test, as the engine does: without a file that could be left behind."""
+    with TemporaryDirectory() as folder:
+        use_loopback(os.environ, Path(folder))
+        with started([]) as executor:
+            yield RosHarness(executor)
 
 
 class Overseer:

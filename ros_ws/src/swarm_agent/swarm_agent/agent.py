@@ -14,7 +14,7 @@ from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.strategy import Decision, Strategy
 from swarm_agent.localization.localizer import Estimate, Localizer
-from swarm_agent.planning.path_planner import planner_for
+from swarm_agent.planning.path_planner import PathPlanner, planner_for
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
@@ -76,6 +76,8 @@ class Agent:
         )
         self._follower = PathFollower(config.control, period_s)
         self._avoidance = Avoidance(config.control.avoidance, robot_type.coverage_radius_m, period_s)
+        self._planner: PathPlanner | None = None
+        self._mapped: tuple[FloatArray, ...] = ()
         self._has_sensor = False
         self._reported_epoch = 0
 
@@ -97,7 +99,7 @@ class Agent:
 
     def _control(self, estimate: Estimate, decision: Decision, proximity: FloatArray) -> VelocityCommand:
         """Return the body-frame command that follows the path and keeps clear of what is near."""
-        planner = planner_for(decision.obstacles, self._type.coverage_radius_m, self._config.planning)
+        planner = self._planner_for(decision.obstacles)
         wanted = self._follower.step(planner, estimate.position, decision.destination)
         path = self._follower.path
         reach = float(np.hypot(*(path[0] - estimate.position))) if len(path) else 0.0
@@ -109,6 +111,13 @@ class Agent:
         safe = self._avoidance.step(wanted, estimate.velocity, proximity @ to_world.T, reach) @ to_world
         turn = -self._config.control.heading_gain_1_s * math.remainder(estimate.yaw, math.tau)
         return VelocityCommand(float(safe[0]), float(safe[1]), turn)
+
+    def _planner_for(self, obstacles: tuple[FloatArray, ...]) -> PathPlanner:
+        """Return the planner of the map in force; looked up only when that is another one."""
+        if self._planner is None or obstacles is not self._mapped:
+            self._planner = planner_for(obstacles, self._type.coverage_radius_m, self._config.planning)
+            self._mapped = obstacles
+        return self._planner
 
     def _step_aside(self, estimate: Estimate, decision: Decision) -> FloatArray | None:
         """Return the velocity that makes way for a blocked neighbor, None if this robot has its own way to go."""

@@ -45,7 +45,6 @@ class _Surroundings:
     contacts: FloatArray  # (n, 2) surface points relative to the robot [m]
     normals: FloatArray  # (n, 2) unit vectors towards them
     limits: FloatArray  # (n,) largest safe velocity along each normal [m/s]
-    velocities: FloatArray  # (n, 2) how they moved in the last tick [m/s]
 
 
 class Avoidance:
@@ -95,17 +94,19 @@ class Avoidance:
             Velocity setpoint [m/s]; all vectors are in one non-rotating frame.
         """
         chosen = wanted
-        if len(contacts):
-            around = self._look(contacts, velocity)
-            if float(np.hypot(*wanted)) < _STANDSTILL:
+        around = self._look(contacts, velocity) if len(contacts) else None
+        if around is None:
+            self._calm()
+        elif float(np.hypot(*wanted)) < _STANDSTILL:
+            if around.limits.min() < 0.0:
                 chosen = _back_out(around)
-            elif self._is_free(wanted, around, reach):
+        else:
+            moving = self._track(contacts)
+            if self._is_free(wanted, around, moving, reach):
                 self._calm()
             else:
-                chosen = self._choose(wanted, around, reach)
+                chosen = self._choose(wanted, around, moving, reach)
                 self._watch_progress(wanted, chosen)
-        else:
-            self._calm()
         self._seen = contacts
         self._moved = chosen * self._period + (velocity - chosen) * self._config.servo_delay_s
         return chosen
@@ -116,7 +117,7 @@ class Avoidance:
         normals = contacts / np.maximum(distances, _STANDSTILL)[:, None]
         coasting = np.maximum(normals @ velocity, 0.0) * self._config.servo_delay_s
         limits = (_SHARE * (distances - self._radius) - self._config.margin_m - coasting) / self._period
-        return _Surroundings(contacts, normals, limits, self._track(contacts))
+        return _Surroundings(contacts, normals, limits)
 
     def _track(self, contacts: FloatArray) -> FloatArray:
         """Return how each contact has moved over ground since the last tick, zero for a new one, shape (n, 2) [m/s]."""
@@ -129,16 +130,17 @@ class Avoidance:
         velocities: FloatArray = np.where(is_same[:, None], step / self._period, 0.0)
         return velocities
 
-    def _is_free(self, wanted: FloatArray, around: _Surroundings, reach: float) -> bool:
+    def _is_free(self, wanted: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> bool:
         return (
-            bool((around.normals @ wanted <= around.limits).all()) and not self._hits(wanted[None], around, reach).any()
+            bool((around.normals @ wanted <= around.limits).all())
+            and not self._hits(wanted[None], around, moving, reach).any()
         )
 
-    def _hits(self, velocities: FloatArray, around: _Surroundings, reach: float) -> FloatArray:
+    def _hits(self, velocities: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> FloatArray:
         """Return how soon each velocity runs into something: 1 at once, 0 not within the horizon; shape (h,)."""
         keep_out = self._radius + self._config.body_radius_m + self._config.passing_gap_m
         centers = around.contacts + around.normals * self._config.body_radius_m
-        relative = velocities[:, None] - around.velocities[None]
+        relative = velocities[:, None] - moving[None]
         along = (relative * centers).sum(axis=2)
         square = np.maximum((relative**2).sum(axis=2), _STANDSTILL)
         apart = (centers**2).sum(axis=1)
@@ -154,7 +156,7 @@ class Avoidance:
         worst: FloatArray = np.where(ahead, np.clip(urgency, 0.0, 1.0), 0.0).max(axis=1)
         return worst
 
-    def _choose(self, wanted: FloatArray, around: _Surroundings, reach: float) -> FloatArray:
+    def _choose(self, wanted: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> FloatArray:
         """Return the best of a fan of headings, each as fast as is safe."""
         speed = float(np.hypot(*wanted))
         forward = wanted / speed
@@ -168,7 +170,7 @@ class Avoidance:
         violation = np.maximum((velocities @ around.normals.T - around.limits).max(axis=1), 0.0)
         cost = _VIOLATION_WEIGHT * np.where(violation > _STANDSTILL, violation, 0.0)
         cost -= velocities @ forward / speed
-        cost[:-1] += _HIT_WEIGHT * self._hits(headings * speed, around, reach) * paces
+        cost[:-1] += _HIT_WEIGHT * self._hits(headings * speed, around, moving, reach) * paces
         lean = _SIDE_WEIGHT + _IMPATIENCE * self._patience_lost
         cost[:-1] += lean * self._side * _SIN * paces
         chosen: FloatArray = velocities[int(np.argmin(cost))]

@@ -33,6 +33,18 @@ LEAN = {
 """Options of a node that is one of many: without its nine services and its log topic it starts in half the time."""
 
 
+_ROS_PROCESSES: set[int] = set()
+"""Numbers of the processes, this one and those it was forked from, in which ROS was started."""
+
+
+def has_started() -> bool:
+    """Return whether ROS was started before, here or in a process that this one was forked from.
+
+    The middleware's threads and locks do not survive a fork: ROS that is started after one hangs.
+    """
+    return bool(_ROS_PROCESSES)
+
+
 @contextmanager
 def started(args: Sequence[str] | None = None, *, handle_signals: bool = False) -> Iterator[Executor]:
     """Start ROS in this process and hand out an executor; both end with the context.
@@ -42,6 +54,7 @@ def started(args: Sequence[str] | None = None, *, handle_signals: bool = False) 
     """
     options = SignalHandlerOptions.ALL if handle_signals else SignalHandlerOptions.NO
     context = Context()
+    _ROS_PROCESSES.add(os.getpid())
     rclpy.init(args=None if args is None else list(args), context=context, signal_handler_options=options)
     executor = EventsExecutor(context=context)
     try:

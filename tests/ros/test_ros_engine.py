@@ -1,0 +1,227 @@
+"""The engine with real processes: same motion as without ROS, deaths are named, nothing is left over."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import pytest
+from swarms import SmallSwarm
+
+from bringup.domain_guard import DomainGuard
+from bringup.inprocess import InProcessEngine
+from bringup.ros_engine import RosEngine, default_agents_per_process
+from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_msgs_py.ros.environment import use_loopback
+from swarm_msgs_py.types import MISSION, NodeId
+
+SHARED_MEMORY = Path("/dev/shm")
+STOP_DEADLINE_S = 3.0
+
+
+@pytest.fixture(autouse=True)
+def own_domain(domain_id: int) -> int:
+    return domain_id
+
+
+@pytest.fixture
+def nothing_left() -> Iterator[None]:
+    """Fail if a child of this process, or a file of a ROS domain's lock, outlives the test."""
+    yield
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def engine_of(count: int, per_process: int) -> RosEngine:
+    return RosEngine(SmallSwarm(count), agents_per_process=per_process, deadline_s=5.0)
+
+
+def pid_of(engine: RosEngine, name: str) -> int:
+    return next(child.pid for child in engine._group.children if child.name == name)
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_twenty_ticks_in_processes_are_the_same_as_without_ros() -> None:
+    with engine_of(4, 2) as engine:
+        records = list(islice(engine.ticks(), 20))
+    with InProcessEngine(SmallSwarm(4)) as reference:
+        expected = list(islice(reference.ticks(), 20))
+
+    for record, wanted in zip(records, expected, strict=True):
+        assert record.tick == wanted.tick
+        assert record.truth.samples.tobytes() == wanted.truth.samples.tobytes()
+        assert record.reports.keys() == wanted.reports.keys()
+        assert all(record.reports[r].path.tobytes() == wanted.reports[r].path.tobytes() for r in wanted.reports)
+        assert record.mission == wanted.mission
+        assert (record.plan is None) == (wanted.plan is None)
+        assert (record.alerts, record.lost) == (wanted.alerts, wanted.lost)
+    assert engine.startup_s > 0.0
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_a_killed_process_is_named_and_the_others_go_on() -> None:
+    with engine_of(4, 2) as engine:
+        ticks = engine.ticks()
+        first = list(islice(ticks, 5))
+        pid = pid_of(engine, "r02, r03")
+        killed_at = time.monotonic()
+        os.kill(pid, signal.SIGKILL)
+        named_after = next(
+            time.monotonic() - killed_at for record in ticks for line in record.alerts if line.startswith("r02, r03")
+        )
+        later = list(islice(ticks, 12))
+
+    assert all(record.lost == frozenset() for record in first)
+    assert named_after < 1.0
+    assert later[-1].lost == {NodeId(2), NodeId(3)}
+    assert later[-1].reports.keys() == {NodeId(0), NodeId(1)}
+    assert later[-1].truth.alive.tolist() == [True, True, False, False]
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_a_dead_mission_computer_is_survived() -> None:
+    with engine_of(2, 2) as engine:
+        ticks = engine.ticks()
+        list(islice(ticks, 5))
+        os.kill(pid_of(engine, "mission computer"), signal.SIGKILL)
+        later = list(islice(ticks, 15))
+
+    assert any("mission computer (process" in line and "SIGKILL" in line for r in later for line in r.alerts)
+    assert later[-1].lost == {MISSION}
+    assert later[-1].mission is None
+    assert later[-1].reports.keys() == {NodeId(0), NodeId(1)}
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_without_the_world_the_run_ends_with_one_line() -> None:
+    with engine_of(2, 2) as engine:
+        ticks = engine.ticks()
+        list(islice(ticks, 3))
+        os.kill(pid_of(engine, "world"), signal.SIGKILL)
+
+        with pytest.raises(SwarmError, match=r"^world \(process \d+\) died: signal 9 \(SIGKILL\); without it"):
+            list(islice(ticks, 1000))
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_a_process_that_hangs_is_reported_and_does_not_keep_the_swarm_from_stopping() -> None:
+    with RosEngine(SmallSwarm(4), agents_per_process=2, deadline_s=0.5) as engine:
+        ticks = engine.ticks()
+        list(islice(ticks, 12))  # beyond the first ticks, which have a longer deadline
+        os.kill(pid_of(engine, "r02, r03"), signal.SIGSTOP)
+        later = list(islice(ticks, 12))
+        stopping = time.monotonic()
+
+    assert time.monotonic() - stopping < STOP_DEADLINE_S
+    alerts = [line for record in later for line in record.alerts]
+    assert len(alerts) == 1
+    assert alerts[0].startswith("r02, r03 did not answer tick")
+    assert later[-1].reports.keys() == {NodeId(0), NodeId(1)}
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_interrupted_children_keep_running_and_end_only_with_the_engine() -> None:
+    with engine_of(2, 1) as engine:
+        ticks = engine.ticks()
+        list(islice(ticks, 2))
+        for child in engine._group.children:
+            os.kill(child.pid, signal.SIGINT)  # as Ctrl-C does to a whole foreground process group
+
+        assert [record.alerts for record in islice(ticks, 10)] == [()] * 10
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_no_shared_memory_file_is_made_so_none_can_be_left_after_a_kill() -> None:
+    with engine_of(2, 1) as engine:
+        list(islice(engine.ticks(), 3))
+        pids = [child.pid for child in engine._group.children]
+        mapped = [line for pid in pids for line in Path(f"/proc/{pid}/maps").read_text().splitlines()]
+        opened = [os.readlink(file) for pid in pids for file in Path(f"/proc/{pid}/fd").iterdir()]
+
+    assert not [line for line in (*mapped, *opened) if str(SHARED_MEMORY) in line and "fast" in line]
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_children_die_with_a_parent_that_is_killed() -> None:
+    reading, writing = os.pipe()
+    parent = os.fork()
+    if parent == 0:
+        try:
+            with engine_of(2, 1) as engine:
+                list(islice(engine.ticks(), 2))
+                os.write(writing, " ".join(str(child.pid) for child in engine._group.children).encode())
+                signal.pause()
+        finally:
+            os._exit(1)
+    pids = [int(word) for word in os.read(reading, 1000).split()]
+    os.kill(parent, signal.SIGKILL)
+    os.waitpid(parent, 0)
+    os.close(reading)
+    os.close(writing)
+
+    deadline = time.monotonic() + STOP_DEADLINE_S
+    while any(is_running(pid) for pid in pids) and time.monotonic() < deadline:
+        os.sched_yield()
+    assert len(pids) == 4
+    assert not any(is_running(pid) for pid in pids)
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_an_actor_that_cannot_be_made_stops_the_start_with_its_reason() -> None:
+    class Broken(SmallSwarm):
+        def agent(self, robot: NodeId) -> object:  # type: ignore[override]
+            raise ValueError(f"no firmware for {robot}")
+
+    with pytest.raises(SwarmError, match=r"start: r00, r01 \(process \d+\) failed: ValueError: no firmware for 0"):
+        RosEngine(Broken(2), agents_per_process=2).__enter__()
+
+
+def test_a_second_swarm_in_the_same_domain_is_refused_with_the_way_out(own_domain: int) -> None:
+    guard = DomainGuard(own_domain)
+    guard.acquire()
+    try:
+        with pytest.raises(ConfigError, match=rf"domain {own_domain} is in use by the swarm of process {os.getpid()}"):
+            engine_of(2, 2).__enter__()
+    finally:
+        guard.release()
+    guard.acquire()
+    guard.release()
+
+
+@pytest.mark.parametrize("text", ["-1", "233", "x", "1.5"])
+def test_a_domain_that_does_not_exist_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", text)
+
+    with pytest.raises(ConfigError, match=f"ROS_DOMAIN_ID: .* got '{text}'"):
+        engine_of(2, 2).__enter__()
+
+
+def test_more_processes_than_find_each_other_are_refused() -> None:
+    with pytest.raises(ConfigError, match="--agents-per-process 1: 200 processes"):
+        engine_of(200, 1).__enter__()
+
+
+def test_the_default_fills_the_cores_and_no_more() -> None:
+    cores = os.cpu_count() or 1
+
+    assert [default_agents_per_process(n) for n in (1, cores, 10 * cores)] == [1, 1, 10]
+
+
+def test_what_the_user_has_chosen_for_the_middleware_stays(tmp_path: Path) -> None:
+    assert use_loopback(quiet := {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, tmp_path) is False
+    assert quiet == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    assert use_loopback(own := {"FASTRTPS_DEFAULT_PROFILES_FILE": "/mine.xml"}, tmp_path) is False
+    assert own == {"FASTRTPS_DEFAULT_PROFILES_FILE": "/mine.xml", "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    assert use_loopback(default := {}, tmp_path) is True
+    assert "127.0.0.1" in Path(default["FASTRTPS_DEFAULT_PROFILES_FILE"]).read_text()
