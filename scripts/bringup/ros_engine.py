@@ -17,6 +17,7 @@ from bringup.ros_children import run_agents, run_mission, run_world
 from bringup.telemetry import AgentReports, Fallen, MissionTick, RunUntil, WorldTick
 from bringup.tick_assembly import TickAssembly
 from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_msgs_py.ros.channels import preload
 from swarm_msgs_py.ros.environment import LOCALHOST_PROCESSES_MAX, PROCESSES_MAX, use_loopback
 from swarm_msgs_py.ros.spin import has_started
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
@@ -29,7 +30,7 @@ READY_DEADLINE_S = 90.0
 POLL_S = 0.5
 VIEWERS = 4  # processes that are left for ROS tools
 LEAN_FROM = 17  # robots from which on agents go without parameter services and log topic, to start faster
-NAMED_MAX = 6  # robots that a process is named after
+NAMED_MAX = 12  # robots that a process is named after
 
 
 def default_agents_per_process(robots: int) -> int:
@@ -139,12 +140,16 @@ class RosEngine:
         self._folder = tempfile.TemporaryDirectory(prefix="swarm-")
         has_loopback = use_loopback(os.environ, Path(self._folder.name))
         groups = self._grouped(PROCESSES_MAX if has_loopback else LOCALHOST_PROCESSES_MAX)
+        # What children would each load and compute for themselves, they inherit.
+        preload()
+        self._actors.agent(min(self._actors.robots))
         actors, pace, is_lean = self._actors, self._pace, len(self._actors.robots) >= LEAN_FROM
         self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
         self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors))
         for robots in groups:
             self._start_agents(robots, is_lean)
         await_ready(self._group, READY_DEADLINE_S)
+        self._folder.cleanup()  # all have read the profile; so none is left after a kill
         self._world.link.send(RunUntil(TICKS_AHEAD))
 
     def _take(self, child: Child, message: object) -> None:
@@ -168,8 +173,9 @@ class RosEngine:
 
     def _start_agents(self, robots: tuple[NodeId, ...], is_lean: bool) -> None:
         actors = self._actors
-        names = [robot_name(robot) for robot in robots]
-        name = ", ".join(names) if len(names) <= NAMED_MAX else f"{names[0]} to {names[-1]}"
+        name = ", ".join(robot_name(robot) for robot in robots[:NAMED_MAX])
+        if len(robots) > NAMED_MAX:
+            name += f" and {len(robots) - NAMED_MAX} more"
         self._group.start(name, robots, lambda link: run_agents(link, actors, robots, is_lean=is_lean))
 
     def _grouped(self, processes_max: int) -> list[tuple[NodeId, ...]]:

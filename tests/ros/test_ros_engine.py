@@ -15,6 +15,7 @@ from swarms import SmallSwarm
 from bringup.domain_guard import DomainGuard
 from bringup.inprocess import InProcessEngine
 from bringup.ros_engine import RosEngine, default_agents_per_process
+from swarm_agent.agent import Agent
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.environment import use_loopback
 from swarm_msgs_py.types import MISSION, NodeId
@@ -67,19 +68,19 @@ def test_a_killed_process_is_named_and_the_others_go_on() -> None:
     with engine_of(4, 2) as engine:
         ticks = engine.ticks()
         first = list(islice(ticks, 5))
-        pid = pid_of(engine, "r02, r03")
+        pid = pid_of(engine, "r01, r03")
         killed_at = time.monotonic()
         os.kill(pid, signal.SIGKILL)
         named_after = next(
-            time.monotonic() - killed_at for record in ticks for line in record.alerts if line.startswith("r02, r03")
+            time.monotonic() - killed_at for record in ticks for line in record.alerts if line.startswith("r01, r03")
         )
         later = list(islice(ticks, 12))
 
     assert all(record.lost == frozenset() for record in first)
     assert named_after < 1.0
-    assert later[-1].lost == {NodeId(2), NodeId(3)}
-    assert later[-1].reports.keys() == {NodeId(0), NodeId(1)}
-    assert later[-1].truth.alive.tolist() == [True, True, False, False]
+    assert later[-1].lost == {NodeId(1), NodeId(3)}
+    assert later[-1].reports.keys() == {NodeId(0), NodeId(2)}
+    assert later[-1].truth.alive.tolist() == [True, False, True, False]
 
 
 @pytest.mark.usefixtures("nothing_left")
@@ -112,15 +113,15 @@ def test_a_process_that_hangs_is_reported_and_does_not_keep_the_swarm_from_stopp
     with RosEngine(SmallSwarm(4), agents_per_process=2, deadline_s=0.5) as engine:
         ticks = engine.ticks()
         list(islice(ticks, 12))  # beyond the first ticks, which have a longer deadline
-        os.kill(pid_of(engine, "r02, r03"), signal.SIGSTOP)
+        os.kill(pid_of(engine, "r01, r03"), signal.SIGSTOP)
         later = list(islice(ticks, 12))
         stopping = time.monotonic()
 
     assert time.monotonic() - stopping < STOP_DEADLINE_S
     alerts = [line for record in later for line in record.alerts]
     assert len(alerts) == 1
-    assert alerts[0].startswith("r02, r03 did not answer tick")
-    assert later[-1].reports.keys() == {NodeId(0), NodeId(1)}
+    assert alerts[0].startswith("r01, r03 did not answer tick")
+    assert later[-1].reports.keys() == {NodeId(0), NodeId(2)}
 
 
 @pytest.mark.usefixtures("nothing_left")
@@ -146,7 +147,7 @@ def test_no_shared_memory_file_is_made_so_none_can_be_left_after_a_kill() -> Non
 
 
 @pytest.mark.usefixtures("nothing_left")
-def test_children_die_with_a_parent_that_is_killed() -> None:
+def test_children_die_with_a_parent_that_is_killed_and_its_domain_is_free_again(own_domain: int) -> None:
     reading, writing = os.pipe()
     parent = os.fork()
     if parent == 0:
@@ -168,6 +169,9 @@ def test_children_die_with_a_parent_that_is_killed() -> None:
         os.sched_yield()
     assert len(pids) == 4
     assert not any(is_running(pid) for pid in pids)
+    guard = DomainGuard(own_domain)
+    guard.acquire()
+    guard.release()
 
 
 def is_running(pid: int) -> bool:
@@ -180,10 +184,12 @@ def is_running(pid: int) -> bool:
 @pytest.mark.usefixtures("nothing_left")
 def test_an_actor_that_cannot_be_made_stops_the_start_with_its_reason() -> None:
     class Broken(SmallSwarm):
-        def agent(self, robot: NodeId) -> object:  # type: ignore[override]
-            raise ValueError(f"no firmware for {robot}")
+        def agent(self, robot: NodeId) -> Agent:
+            if robot == 1:
+                raise ValueError("no firmware for r01")
+            return super().agent(robot)
 
-    with pytest.raises(SwarmError, match=r"start: r00, r01 \(process \d+\) failed: ValueError: no firmware for 0"):
+    with pytest.raises(SwarmError, match=r"start: r00, r01 \(process \d+\) failed: ValueError: no firmware for r01"):
         RosEngine(Broken(2), agents_per_process=2).__enter__()
 
 

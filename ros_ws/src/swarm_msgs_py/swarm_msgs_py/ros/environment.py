@@ -54,7 +54,7 @@ _PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
       </rtps>
     </participant>
     <data_writer profile_name="swarm_writer" is_default_profile="true">
-      <times><heartbeatPeriod><sec>0</sec><nanosec>50000000</nanosec></heartbeatPeriod></times>
+      <times><heartbeatPeriod><sec>0</sec><nanosec>100000000</nanosec></heartbeatPeriod></times>
     </data_writer>
   </profiles>
 </dds>

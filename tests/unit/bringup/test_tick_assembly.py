@@ -1,0 +1,102 @@
+"""Records of ticks are put together from reports in any order, and wait for nobody who is dead or was late."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tick_builders import make_plan, make_tick
+
+from bringup.telemetry import AgentReports, MissionTick, WorldTick
+from bringup.tick_assembly import TickAssembly
+from swarm_msgs_py.messages.radio import RadioCounters
+from swarm_msgs_py.messages.report import MissionReport
+from swarm_msgs_py.types import MISSION, NodeId
+
+FIRST, SECOND = NodeId(0), NodeId(1)
+PLACES = [[0.0, 0.0], [3.0, 0.0]]
+ALL = frozenset({FIRST, SECOND, MISSION})
+REPORT = MissionReport(1, (), (), (), "", RadioCounters())
+PLAN = make_plan(PLACES)
+
+
+def world(tick: int, answered: frozenset[NodeId] = ALL, alerts: tuple[str, ...] = ()) -> WorldTick:
+    return WorldTick(make_tick(tick, PLACES).truth, answered, alerts, frozenset())
+
+
+def reports(tick: int, *robots: NodeId) -> AgentReports:
+    made = make_tick(tick, PLACES).reports
+    return AgentReports(tick, {robot: made[robot] for robot in robots})
+
+
+def test_a_record_is_ready_when_everybody_who_answered_has_reported() -> None:
+    assembly = TickAssembly()
+    assembly.put_agents(reports(0, SECOND))
+    assembly.put_mission(MissionTick(0, REPORT, PLAN))
+    assembly.put_world(world(0))
+    assert list(assembly.take_ready()) == []
+
+    assembly.put_agents(reports(0, FIRST))
+
+    (record,) = assembly.take_ready()
+    assert list(record.reports) == [FIRST, SECOND]
+    assert (record.mission, record.plan) == (REPORT, PLAN)
+
+
+def test_records_come_in_order_of_ticks() -> None:
+    assembly = TickAssembly()
+    for tick in (1, 0):
+        assembly.put_world(world(tick))
+        assembly.put_mission(MissionTick(tick, REPORT, None))
+        assembly.put_agents(reports(tick, FIRST, SECOND))
+
+    assert [record.tick for record in assembly.take_ready()] == [0, 1]
+
+
+def test_who_did_not_answer_in_time_is_neither_waited_for_nor_counted() -> None:
+    assembly = TickAssembly()
+    assembly.put_world(world(0, answered=frozenset({FIRST}), alerts=("r01 is silent",)))
+    assembly.put_agents(reports(0, FIRST, SECOND))
+
+    (record,) = assembly.take_ready()
+
+    assert list(record.reports) == [FIRST]
+    assert record.mission is None
+    assert record.alerts == ("r01 is silent",)
+
+
+def test_who_died_after_answering_is_not_waited_for() -> None:
+    assembly = TickAssembly()
+    assembly.put_world(world(0))
+    assembly.put_mission(MissionTick(0, REPORT, None))
+    assembly.put_agents(reports(0, FIRST))
+
+    assembly.bury((SECOND,))
+    assembly.alert("r01 died")
+
+    (record,) = assembly.take_ready()
+    assert list(record.reports) == [FIRST]
+    assert record.alerts == ("r01 died",)
+
+
+def test_a_plan_that_comes_too_late_for_its_tick_is_in_the_next_record() -> None:
+    assembly = TickAssembly()
+    robots = frozenset({FIRST, SECOND})
+    for tick in range(3):
+        assembly.put_world(world(tick, answered=robots))
+        assembly.put_agents(reports(tick, FIRST, SECOND))
+        if tick == 1:
+            assembly.put_mission(MissionTick(0, REPORT, PLAN))
+        (record,) = assembly.take_ready()
+
+        assert (record.plan is PLAN) == (tick == 1)
+
+
+def test_the_operators_line_of_the_mission_computer_is_an_alert() -> None:
+    assembly = TickAssembly()
+    assembly.put_world(world(0))
+    assembly.put_agents(reports(0, FIRST, SECOND))
+    assembly.put_mission(MissionTick(0, replace(REPORT, notice="shape refused"), None))
+
+    (record,) = assembly.take_ready()
+
+    assert record.alerts == ("shape refused",)
