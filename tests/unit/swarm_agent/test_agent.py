@@ -171,6 +171,19 @@ def test_a_robot_without_a_goal_of_its_type_stands_still() -> None:
     assert_allclose(driver.position, [0.0, 0.0])
 
 
+def test_keeps_going_where_the_old_plan_wanted_it_until_the_new_one_is_decided() -> None:
+    agent, far = make_agent(), np.array([[30.0, 0.0]])
+    driver = Driver(agent, make_plan(far))
+    driver.run(5.0)
+    driver._mission.flood(encode_body(make_plan(np.array([[30.0, 1.0], [0.0, 9.0]]), epoch=2)))  # two rows awaited
+
+    outputs = driver.run(4.0)
+
+    assert outputs.report.epoch == 2
+    assert outputs.report.goal == -1
+    assert outputs.command.forward > 0.4
+
+
 def test_stops_for_what_it_would_drive_into() -> None:
     driver = Driver(make_agent(), make_plan(GOAL))
     driver.run(4.0)

@@ -73,6 +73,19 @@ def test_follows_a_robot_that_drives_ahead_at_the_same_speed() -> None:
     assert_allclose(velocity, AHEAD)
 
 
+def test_who_wants_nothing_is_not_blocked() -> None:
+    avoidance = make_avoidance()
+    angles = np.linspace(0.0, 2 * np.pi, 12, endpoint=False)
+    cage = (RADIUS + 0.08) * np.column_stack([np.cos(angles), np.sin(angles)])
+    for _ in range(20):
+        avoidance.step(AHEAD, REST, cage, 10.0)
+    assert avoidance.is_blocked
+
+    avoidance.step(REST, REST, cage, 0.0)
+
+    assert not avoidance.is_blocked
+
+
 def antipodal(n: int) -> tuple[np.ndarray, np.ndarray]:
     angles = np.arange(n) * 2 * np.pi / n
     circle = max(4.0, 0.6 * n) * np.column_stack([np.cos(angles), np.sin(angles)])

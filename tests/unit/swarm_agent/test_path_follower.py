@@ -95,3 +95,15 @@ def test_without_a_way_it_stands() -> None:
     inside_wall = WALL.mean(axis=0)
 
     assert_array_equal(make_follower().step(WALLED, np.zeros(2), inside_wall), [0.0, 0.0])
+
+
+def test_an_uncertain_robot_does_not_follow_the_noise_of_its_estimate() -> None:
+    follower = make_follower()
+    sigma = 0.3
+
+    follower.step(OPEN, GOAL + 0.1, GOAL, sigma)
+    assert follower.is_parked
+    follower.step(OPEN, GOAL + 2 * sigma, GOAL, sigma)
+    assert follower.is_parked
+    follower.step(OPEN, GOAL + 4 * sigma, GOAL, sigma)
+    assert not follower.is_parked

@@ -100,7 +100,7 @@ class Agent:
     def _control(self, estimate: Estimate, decision: Decision, proximity: FloatArray) -> VelocityCommand:
         """Return the body-frame command that follows the path and keeps clear of what is near."""
         planner = self._planner_for(decision.obstacles)
-        wanted = self._follower.step(planner, estimate.position, decision.destination)
+        wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate))
         path = self._follower.path
         reach = float(np.hypot(*(path[0] - estimate.position))) if len(path) else 0.0
         aside = self._step_aside(estimate, decision)
@@ -153,7 +153,7 @@ class Agent:
         return Presence(
             position=estimate.position if estimate else _ORIGIN,
             velocity=estimate.velocity if estimate else _ORIGIN,
-            sigma=math.sqrt(float(np.trace(estimate.covariance)) / 2.0) if estimate else UNKNOWN_SIGMA,
+            sigma=_sigma(estimate) if estimate else UNKNOWN_SIGMA,
             robot_type=self._type.type,
             is_beacon=self._has_sensor,
             mode=int(mode),
@@ -180,3 +180,8 @@ class Agent:
             rows=len(self._consensus.book),
             counters=self._mesh.counters,
         )
+
+
+def _sigma(estimate: Estimate) -> float:
+    """Return the standard deviation of a position estimate, root mean square of both axes [m]."""
+    return math.sqrt((float(estimate.covariance[0, 0]) + float(estimate.covariance[1, 1])) / 2.0)

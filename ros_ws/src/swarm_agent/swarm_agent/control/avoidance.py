@@ -98,6 +98,7 @@ class Avoidance:
         if around is None:
             self._calm()
         elif float(np.hypot(*wanted)) < _STANDSTILL:
+            self._calm()  # who wants nothing is not blocked
             if around.limits.min() < 0.0:
                 chosen = _back_out(around)
         else:

@@ -10,6 +10,8 @@ from swarm_msgs_py.types import FloatArray
 
 _NO_PATH = np.empty((0, 2))
 _STAND = np.zeros(2)
+_PARK_SIGMAS, _UNPARK_SIGMAS = 1.0, 4.0
+"""Standard deviations of the estimate below which parking and starting again would only follow its noise."""
 
 
 class PathFollower:
@@ -29,7 +31,9 @@ class PathFollower:
         """Whether the robot rests at its destination."""
         return self._parked
 
-    def step(self, planner: PathPlanner, position: FloatArray, destination: FloatArray | None) -> FloatArray:
+    def step(
+        self, planner: PathPlanner, position: FloatArray, destination: FloatArray | None, sigma: float = 0.0
+    ) -> FloatArray:
         """Return the velocity that follows the path, world frame, shape (2,) [m/s].
 
         Parameters
@@ -40,6 +44,8 @@ class PathFollower:
             Own estimate [m].
         destination : (2,) array or None
             Where to go [m]; None: stand still.
+        sigma : float
+            Standard deviation of the estimate, per axis [m]; who knows less parks sooner and starts again later.
         """
         self._retarget(planner, destination)
         if destination is None:
@@ -47,7 +53,7 @@ class PathFollower:
         self._advance(planner, position, destination)
         if not len(self.path):
             return _STAND  # no way there: wait for the map or the assignment to change
-        return self._velocity(position)
+        return self._velocity(position, sigma)
 
     def _retarget(self, planner: PathPlanner, destination: FloatArray | None) -> None:
         """Forget the path when the destination or the map is another one."""
@@ -69,11 +75,14 @@ class PathFollower:
             path = planner.path(position, destination)
             self.path = _NO_PATH if path is None else path
 
-    def _velocity(self, position: FloatArray) -> FloatArray:
+    def _velocity(self, position: FloatArray, sigma: float) -> FloatArray:
         offset = self.path[0] - position
         distance = float(np.hypot(*offset))
         is_last = len(self.path) == 1
-        self._parked = is_last and distance < (self._config.unpark_m if self._parked else self._config.park_m)
+        config = self._config
+        park = max(config.park_m, _PARK_SIGMAS * sigma)
+        limit = max(config.unpark_m, _UNPARK_SIGMAS * sigma) if self._parked else park
+        self._parked = is_last and distance < limit
         if self._parked or distance == 0.0:
             return _STAND
         # A corner may be reached at full speed, but not overshot within the tick.

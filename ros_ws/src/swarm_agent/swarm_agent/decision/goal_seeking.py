@@ -69,6 +69,8 @@ class GoalSeeking:
             None  # epoch, digest, patience over: what the goal follows from
         )
         self._goal = -1
+        self._is_undecided = True
+        self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one
 
     def step(self, tick: int, position: FloatArray) -> Decision:
         """Return where to go; sends the own cost row when the plan or the membership makes it necessary."""
@@ -79,14 +81,19 @@ class GoalSeeking:
             return Decision(-1, target, Mode.SEARCHING if searching else Mode.WAITING, self._first_map)
         if plan.epoch != self._epoch:
             self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
+            self._is_undecided = True
             self._offered_from = None
             self._members, self._members_at = frozenset(), -1
         if self._offered_from is None or self._consensus.book.digest != self._members_at:
             self._offer_if_needed(tick, plan, position)
         self._decide(tick, plan)
-        if self._goal < 0:
-            return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
-        return Decision(self._goal, plan.goals[self._goal], Mode.TRAVELING, plan.obstacles)
+        if self._goal >= 0:
+            self._destination = plan.goals[self._goal]
+            return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
+        if self._is_undecided:
+            # Until the rows for a new plan are complete, what the old one wanted is the best guess (spec 11.5).
+            return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
+        return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
 
     def _offer_if_needed(self, tick: int, plan: Plan, position: FloatArray) -> None:
         """Send a cost row for a new plan, and a fresh one for newcomers if the robot has moved since the last."""
@@ -118,5 +125,6 @@ class GoalSeeking:
         rows = book.of_type(self._type.type)
         goals = np.flatnonzero(plan.goal_types == self._type.type)
         if len(rows) >= len(goals) or patience_over:
+            self._is_undecided = False
             taken = assign(rows).get(self._robot)
             self._goal = -1 if taken is None else int(goals[taken])
