@@ -20,6 +20,8 @@ def _leave(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the 
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # under nohup it is to stay ignored
+        signal.signal(signal.SIGHUP, _leave)
     sys.path.insert(0, str(Path(__file__).resolve().parent))
 
     from bringup.cli import main

@@ -21,10 +21,11 @@ from bringup.inprocess import InProcessEngine
 from bringup.interruption import Interruption
 from bringup.progress import Progress, print_summary
 from bringup.resolution import resolve
-from bringup.run import execute, write_results
+from bringup.run import Journal, execute, write_results
 from bringup.run_folder import RunFolder, reserve_default
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario
+from bringup.steady_stream import steady
 from swarm_msgs_py.errors import ConfigError, PhysicsError, ShapeError, SwarmError
 from swarm_sim.config import Backend
 
@@ -41,10 +42,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             with _output(arguments.json) as (stdout, console):
                 return _run(arguments, interruption, stdout, console)
         except SwarmError as error:
-            print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+            print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
             return BAD_INPUT if isinstance(error, WRONG_INPUT) else NOT_ACHIEVED
         except KeyboardInterrupt:
-            print("interrupted before the start; nothing was written", file=sys.stderr)
+            print("interrupted before the start; nothing was written", file=steady(sys.stderr))
             return INTERRUPTED
 
 
@@ -69,10 +70,11 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
             progress.say(
                 f"{scenario.name}: {scenario.robots.count} robots, seed {scenario.seed}, {arguments.engine.value}"
             )
-            outcome = execute(scenario, engine, interruption, progress)
+            journal = Journal(scenario, arguments.engine.value, folder, progress)
+            outcome = execute(scenario, engine, interruption, progress, journal)
         metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
     except OSError as error:
-        print(f"error: {folder.path}: results could not be written ({error.strerror})", file=sys.stderr)
+        print(f"error: {folder.path}: results could not be written ({error.strerror})", file=steady(sys.stderr))
         return INTERRUPTED if interruption.requested else NOT_ACHIEVED
     finally:
         folder.release()
@@ -125,14 +127,15 @@ def _output(is_json: bool) -> Iterator[tuple[TextIO, Console]]:
     as well, also from child processes, so that standard output carries nothing but the metrics.
     """
     if not is_json:
-        yield sys.stdout, Console()
+        stdout = steady(sys.stdout)
+        yield stdout, Console(file=stdout)
         return
     sys.stdout.flush()
     kept = os.dup(1)
     os.dup2(2, 1)
     try:
         with io.TextIOWrapper(os.fdopen(kept, "wb", closefd=False), encoding="utf-8") as stdout:
-            yield stdout, Console(stderr=True)
+            yield steady(stdout), Console(file=steady(sys.stderr))
     finally:
         os.dup2(kept, 1)
         os.close(kept)

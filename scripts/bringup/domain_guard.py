@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
-import tempfile
+import socket
+import struct
 from collections.abc import Mapping
-from pathlib import Path
 
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.ros.environment import DOMAIN, LAST_DOMAIN
+
+LAST_SAFE_DOMAIN = 101
+"""Above it, the UDP ports of a domain reach into the range from which Linux gives ports to anybody."""
+
+_CREDENTIALS = struct.Struct("3i")  # process, user, group
+_BACKLOG = 64  # of those who ask whose the domain is; nobody is ever answered, the kernel knows
 
 
 def domain_of(environment: Mapping[str, str]) -> int:
@@ -27,19 +31,20 @@ def domain_of(environment: Mapping[str, str]) -> int:
 
 
 class DomainGuard:
-    """A lock file per domain. The kernel drops the lock with the last process that holds it, however that ends.
+    """Holds a domain by a name in the kernel's space of abstract sockets.
+
+    Such a name is no file: nothing is left over and nothing can be planted. All users of the machine share the names, as
+    they share its domains. The kernel drops a name with the last process that holds it, however that ends.
 
     Parameters
     ----------
     domain : int
-    folder : Path or None
-        Where the lock files are; None for the system's folder of temporary files, which all users share.
     """
 
-    def __init__(self, domain: int, folder: Path | None = None) -> None:
+    def __init__(self, domain: int) -> None:
         self._domain = domain
-        self._path = (folder or Path(tempfile.gettempdir())) / f"swarm-ros-domain-{domain}.lock"
-        self._file = -1
+        self._name = f"\0swarm-ros-domain-{domain}"
+        self._socket: socket.socket | None = None
 
     def acquire(self) -> None:
         """Take the domain.
@@ -49,39 +54,37 @@ class DomainGuard:
         ConfigError
             If another swarm is in it; the line names the domain and the way out.
         """
-        while True:
-            try:
-                file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-            except OSError as error:
-                raise self._taken("by another user's swarm") from error
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                holder = os.pread(file, 20, 0).decode(errors="replace").strip()
-                os.close(file)
-                raise self._taken(f"by the swarm of process {holder}" if holder else "by another swarm") from None
-            if self._is_current(file):
-                break
-            os.close(file)  # its owner removed the file between our opening and locking it
-        os.truncate(file, 0)
-        os.pwrite(file, f"{os.getpid()}\n".encode(), 0)
-        self._file = file
+        claim = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            claim.bind(self._name)
+        except OSError:
+            claim.close()
+            raise self._taken() from None
+        claim.listen(_BACKLOG)  # so that others can learn whose it is
+        self._socket = claim
 
     def release(self) -> None:
         """Give the domain back; may be called again."""
-        if self._file >= 0:
-            self._path.unlink(missing_ok=True)
-            os.close(self._file)
-            self._file = -1
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
 
-    def _is_current(self, file: int) -> bool:
-        try:
-            return os.fstat(file).st_ino == self._path.stat().st_ino
-        except FileNotFoundError:
-            return False
-
-    def _taken(self, by: str) -> ConfigError:
+    def _taken(self) -> ConfigError:
+        holder = self._holder()
+        by = "another swarm" if holder is None else f"the swarm of process {holder}"
         return ConfigError(
-            f"{DOMAIN}: domain {self._domain} is in use {by}; set {DOMAIN} to another number (0 to 101), e.g. "
-            f"{DOMAIN}={(self._domain + 1) % 102}"
+            f"{DOMAIN}: domain {self._domain} is in use by {by}; set {DOMAIN} to another number (0 to "
+            f"{LAST_SAFE_DOMAIN}), e.g. {DOMAIN}={(self._domain + 1) % (LAST_SAFE_DOMAIN + 1)}"
         )
+
+    def _holder(self) -> int | None:
+        """Return the process that holds the domain, if the kernel tells."""
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as caller:
+            caller.setblocking(False)
+            try:
+                caller.connect(self._name)
+                found = caller.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
+            except OSError:  # it has just ended, or too many ask
+                return None
+        process: int = _CREDENTIALS.unpack(found)[0]
+        return process or None  # zero for a process outside this container

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption:
-    """Turns the first SIGINT or SIGTERM into one `KeyboardInterrupt`; use as a context manager in the main thread.
+    """Turns the first SIGINT, SIGTERM or SIGHUP into one `KeyboardInterrupt`; use as a context manager in the main thread.
 
     Outside `welcome` a signal is only noted, so that stopping and writing are never torn apart; a second signal adds
-    nothing.
+    nothing. Where SIGHUP is ignored, as under ``nohup``, it stays so.
 
     Attributes
     ----------
@@ -29,7 +29,9 @@ class Interruption:
 
     def __enter__(self) -> Interruption:
         """Take over the signals."""
-        self._previous = {number: signal.signal(number, self._note) for number in SIGNALS}
+        is_detached = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        heard = (number for number in SIGNALS if not (is_detached and number is signal.SIGHUP))
+        self._previous = {number: signal.signal(number, self._note) for number in heard}
         return self
 
     def __exit__(self, *error: object) -> None:

@@ -29,7 +29,7 @@ ASK_S, TERMINATE_S, KILL_S = 1.5, 0.6, 0.4
 LAST_WORDS_S = 0.5  # for a child that fails to say why
 _REAP_INTERVAL_S = 0.01
 _PR_SET_PDEATHSIG = 1
-_WELCOME_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_WELCOME_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _CRASHED = 1
 
 Main = Callable[[Link], None]
@@ -168,6 +168,7 @@ def _run_child(main: Main, link: Link, parent: int) -> NoReturn:
     status = _CRASHED
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent decides
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # so does the end of the terminal
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _WELCOME_SIGNALS)
@@ -177,7 +178,7 @@ def _run_child(main: Main, link: Link, parent: int) -> NoReturn:
             status = 0
     except BaseException as error:  # noqa: BLE001 - the end of a process: whatever it was, it is reported
         traceback.print_exc()
-        link.send(Failed(f"{type(error).__name__}: {error}"))
+        link.send(Failed.of(error))
     finally:
         link.flush_within(LAST_WORDS_S)
         sys.stdout.flush()

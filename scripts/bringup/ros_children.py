@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from bringup.engine import Actors
+from bringup.engine import Actors, AgentActor
 from bringup.link import Link
-from bringup.telemetry import AgentReports, Fallen, MissionTick, Ready, RunUntil, Stop, WorldTick
+from bringup.telemetry import (
+    AgentFailed,
+    AgentReports,
+    Alive,
+    Fallen,
+    MissionTick,
+    Ready,
+    RunUntil,
+    Stop,
+    WorldTick,
+    reason_of,
+)
 from mission_computer.ros.mission_node import MissionNode
 from swarm_agent.ros.agent_node import AgentNode
 from swarm_msgs_py import topics
+from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.parameters import declare_config
@@ -23,8 +36,11 @@ from swarm_sim.ros.world_node import WorldNode
 
 MATCH_INTERVAL_S = 0.02
 CREDIT_WAIT_S = 0.05
+ALIVE_INTERVAL_S = 1.0
 LOG_LEVEL = logging.WARNING  # the operator reads the alerts; what goes well is not worth a line from fifty nodes
 """From which level on the cores' log goes to ROS."""
+
+logger = logging.getLogger(__name__)
 
 
 class Supervision:
@@ -65,11 +81,27 @@ class Supervision:
         self._link.send(WorldTick(result.truth, result.answered, result.alerts, result.lost))
 
 
+class WorldSupervision(Supervision):
+    """The same for the world, which also shows that it is not stuck."""
+
+    def __init__(self, link: Link) -> None:
+        super().__init__(link)
+        self._shown = time.monotonic()
+
+    def is_over(self) -> bool:
+        """Return whether the orchestrator has said stop, or is gone; asked several times per second while all is well."""
+        now = time.monotonic()
+        if now - self._shown >= ALIVE_INTERVAL_S:
+            self._shown = now
+            self._link.send(Alive())
+        return super().is_over()
+
+
 class Reporter:
     """Sends the reports of a process's agents in one record per tick."""
 
-    def __init__(self, link: Link, count: int) -> None:
-        self._link, self._count = link, count
+    def __init__(self, link: Link, robots: Collection[NodeId]) -> None:
+        self._link, self._robots = link, set(robots)
         self._tick = -1
         self._reports: dict[NodeId, AgentReport] = {}
 
@@ -79,8 +111,12 @@ class Reporter:
             self.send()
             self._tick = outputs.tick
         self._reports[robot] = outputs.report
-        if len(self._reports) == self._count:
-            self.send()
+        self._send_if_complete()
+
+    def drop(self, robot: NodeId) -> None:
+        """Wait no more for the report of a robot that has failed."""
+        self._robots.discard(robot)
+        self._send_if_complete()
 
     def send(self) -> None:
         """Send what is there, for agents of this process may have died or fallen behind."""
@@ -88,10 +124,14 @@ class Reporter:
             self._link.send(AgentReports(self._tick, self._reports))
             self._reports = {}
 
+    def _send_if_complete(self) -> None:
+        if self._reports.keys() >= self._robots:
+            self.send()
+
 
 def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
     """Be the world until told to stop."""
-    supervision = Supervision(link)
+    supervision = WorldSupervision(link)
     simulation = actors.simulation()
     try:
         with started() as executor:
@@ -117,26 +157,84 @@ def run_mission(link: Link, actors: Actors) -> None:
             spin_until(executor, supervision.is_over)
 
 
-def run_agents(link: Link, actors: Actors, robots: tuple[NodeId, ...], *, is_lean: bool) -> None:
-    """Be some robots until told to stop."""
-    supervision, reporter = Supervision(link), Reporter(link, len(robots))
-    options: dict[str, Any] = LEAN if is_lean else {}
+class AgentHost:
+    """The agent nodes of one process; one that fails is taken out, and the others go on.
 
-    def is_over() -> bool:
-        reporter.send()
-        return supervision.is_over()
+    Parameters
+    ----------
+    link : Link
+    executor : Executor
+    reporter : Reporter
+    """
 
-    def sink(robot: NodeId) -> Callable[[AgentOutputs], None]:
-        return lambda outputs: reporter.take(robot, outputs)
+    def __init__(self, link: Link, executor: Any, reporter: Reporter) -> None:
+        self._link, self._executor, self._reporter = link, executor, reporter
+        self._failed: list[NodeId] = []
+        self.nodes: dict[NodeId, AgentNode] = {}
 
+    def add(
+        self, robot: NodeId, agent: AgentActor, period_s: float, config: Config, options: Mapping[str, Any]
+    ) -> None:
+        """Bring up the node of one robot."""
+        node = AgentNode(
+            agent,
+            robot,
+            period_s,
+            lambda outputs: self._reporter.take(robot, outputs),
+            lambda error: self._fail(robot, error),
+            context=self._executor.context,
+            **options,
+        )
+        _set_up(node, self._executor, config)
+        self.nodes[robot] = node
+
+    def remove_failed(self) -> None:
+        """Destroy the nodes of robots that have failed. Not to be called from a callback, least of all one of theirs."""
+        for robot in self._failed:
+            node = self.nodes.pop(robot)
+            self._executor.remove_node(node)
+            node.destroy_node()
+        self._failed.clear()
+
+    def _fail(self, robot: NodeId, error: Exception) -> None:
+        logger.error("%s failed", topics.namespace_of(robot), exc_info=error)
+        self._link.send(AgentFailed(robot, reason_of(error)))
+        self._reporter.drop(robot)
+        self._failed.append(robot)
+
+
+def run_agents(
+    link: Link, agents: Mapping[NodeId, AgentActor], period_s: float, config: Config, *, is_lean: bool
+) -> None:
+    """Be some robots until told to stop.
+
+    Parameters
+    ----------
+    link : Link
+    agents : mapping of NodeId to AgentActor
+        The robots of this process: each knows its number, type, settings and map. Nothing else of the scenario comes
+        into a process of agents, above all no start pose and no seed.
+    period_s : float
+        Control period [s].
+    config : Config
+        The robots' settings, as their nodes declare them.
+    is_lean : bool
+        Whether the nodes go without parameter services and log topic.
+    """
+    supervision, reporter = Supervision(link), Reporter(link, agents)
     with started() as executor:
-        nodes = []
-        for robot in robots:
-            agent = actors.agent(robot)
-            node = AgentNode(agent, robot, actors.period_s, sink(robot), context=executor.context, **options)
-            _set_up(node, executor, actors.agent_config)
-            nodes.append(node)
-        if _await_partners(link, executor, nodes, _lockstep_topics(robots), supervision.is_over):
+        host = AgentHost(link, executor, reporter)
+        for robot, agent in agents.items():
+            host.add(robot, agent, period_s, config, LEAN if is_lean else {})
+
+        def is_over() -> bool:
+            host.remove_failed()
+            reporter.send()
+            return supervision.is_over()
+
+        if _await_partners(
+            link, executor, [*host.nodes.values()], _lockstep_topics(tuple(agents)), supervision.is_over
+        ):
             spin_until(executor, is_over)
 
 

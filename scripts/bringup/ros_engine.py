@@ -7,14 +7,17 @@ import os
 import tempfile
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from bringup.domain_guard import DomainGuard, domain_of
-from bringup.engine import Actors, TickRecord
-from bringup.processes import Child, ProcessGroup
+from bringup.engine import Actors, AgentActor, TickRecord
+from bringup.labels import node_list
+from bringup.patience import Patience
+from bringup.processes import Child, Main, ProcessGroup
 from bringup.readiness import await_ready
 from bringup.ros_children import run_agents, run_mission, run_world
-from bringup.telemetry import AgentReports, Fallen, MissionTick, RunUntil, WorldTick
+from bringup.telemetry import AgentFailed, AgentReports, Fallen, MissionTick, RunUntil, WorldTick, reason_of
 from bringup.tick_assembly import TickAssembly
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.channels import preload
@@ -30,7 +33,7 @@ READY_DEADLINE_S = 90.0
 POLL_S = 0.5
 VIEWERS = 4  # processes that are left for ROS tools
 LEAN_FROM = 17  # robots from which on agents go without parameter services and log topic, to start faster
-NAMED_MAX = 12  # robots that a process is named after
+REPORT_PATIENCE_S = 2.0  # without news, for reports of a tick that the world has run
 
 
 def default_agents_per_process(robots: int) -> int:
@@ -54,6 +57,9 @@ class RosEngine:
         Pace ticks by the wall clock and wait for nobody.
     deadline_s : float
         In lockstep, wall time after which a node that has not answered is silent [s].
+    world_deadline_s : float
+        Wall time without a sign of life from the world's process after which the run ends [s]. A paused world gives
+        signs of life.
 
     Attributes
     ----------
@@ -68,6 +74,7 @@ class RosEngine:
         agents_per_process: int | None = None,
         real_time: bool = False,
         deadline_s: float = 5.0,
+        world_deadline_s: float = 60.0,
     ) -> None:
         self._actors = actors
         self._per_process = agents_per_process or default_agents_per_process(len(actors.robots))
@@ -77,6 +84,7 @@ class RosEngine:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         self._environment: dict[str, str] | None = None
         self._assembly = TickAssembly()
+        self._for_world, self._for_reports = Patience(world_deadline_s), Patience(REPORT_PATIENCE_S)
         self._world: Child | None = None
         self.startup_s = 0.0
 
@@ -118,7 +126,7 @@ class RosEngine:
         Raises
         ------
         SwarmError
-            If the world's process dies; without it nothing can go on.
+            If the world's process dies or hangs; without it nothing can go on.
         RuntimeError
             If the engine was not entered.
         """
@@ -128,8 +136,28 @@ class RosEngine:
             for record in self._assembly.take_ready():
                 yield record
                 self._world.link.send(RunUntil(record.tick + 1 + TICKS_AHEAD))
-            for child, message in self._group.poll(POLL_S):
-                self._take(child, message)
+            self._listen()
+
+    def _listen(self) -> None:
+        """Take in what the children have sent, waiting for it a short while; notice what does not come."""
+        began = time.monotonic()
+        events = self._group.poll(POLL_S)
+        # At most the time that was asked for: if this process was suspended, nobody has been late.
+        waited = min(time.monotonic() - began, POLL_S)
+        for child, message in events:
+            self._take(child, message)
+        senders = [child for child, _ in events]
+        if self._for_world.is_out(waited, has_news=self._world in senders):
+            raise SwarmError(self._hang())
+        # The world gives signs of life also while it waits for this process to go on, so they are no news here.
+        reports = (AgentReports, MissionTick, WorldTick)
+        if self._for_reports.is_out(waited, has_news=any(isinstance(message, reports) for _, message in events)):
+            self._assembly.give_up()
+
+    def _hang(self) -> str:
+        process = f"world (process {self._world.pid})" if self._world is not None else "world"
+        limit = self._for_world.limit_s
+        return f"{process} hangs: no sign of life for {limit:g} s; without it the run cannot go on"
 
     def _start(self) -> None:
         if has_started():
@@ -142,12 +170,12 @@ class RosEngine:
         groups = self._grouped(PROCESSES_MAX if has_loopback else LOCALHOST_PROCESSES_MAX)
         # What children would each load and compute for themselves, they inherit.
         preload()
-        self._actors.agent(min(self._actors.robots))
-        actors, pace, is_lean = self._actors, self._pace, len(self._actors.robots) >= LEAN_FROM
+        agents = {robot: self._make_agent(robot) for robot in sorted(self._actors.robots)}
+        actors, pace = self._actors, self._pace
         self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
         self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors))
         for robots in groups:
-            self._start_agents(robots, is_lean)
+            self._group.start(node_list(robots), robots, self._host({robot: agents[robot] for robot in robots}))
         await_ready(self._group, READY_DEADLINE_S)
         self._folder.cleanup()  # all have read the profile; so none is left after a kill
         self._world.link.send(RunUntil(TICKS_AHEAD))
@@ -160,6 +188,8 @@ class RosEngine:
             self._assembly.put_world(message)
         elif isinstance(message, MissionTick):
             self._assembly.put_mission(message)
+        elif isinstance(message, AgentFailed):
+            self._take_out((message.robot,), f"{robot_name(message.robot)} failed and is taken out: {message.reason}")
         elif message is None:
             self._mourn(child)
 
@@ -167,16 +197,27 @@ class RosEngine:
         """Let the run go on without a child that has died."""
         if self._world is None or child is self._world:
             raise SwarmError(f"{child.epitaph()}; without it the run cannot go on")
-        self._assembly.bury(child.nodes)
-        self._assembly.alert(child.epitaph())
-        self._world.link.send(Fallen(child.nodes))
+        self._take_out(child.nodes, child.epitaph())
 
-    def _start_agents(self, robots: tuple[NodeId, ...], is_lean: bool) -> None:
-        actors = self._actors
-        name = ", ".join(robot_name(robot) for robot in robots[:NAMED_MAX])
-        if len(robots) > NAMED_MAX:
-            name += f" and {len(robots) - NAMED_MAX} more"
-        self._group.start(name, robots, lambda link: run_agents(link, actors, robots, is_lean=is_lean))
+    def _take_out(self, nodes: tuple[NodeId, ...], alert: str) -> None:
+        """Let the world bury some nodes, and tell the operator why."""
+        self._assembly.bury(nodes)
+        self._assembly.alert(alert)
+        if self._world is not None:
+            self._world.link.send(Fallen(nodes))
+
+    def _make_agent(self, robot: NodeId) -> AgentActor:
+        """Make one robot's agent here, so that its process need not know what agents are made from."""
+        try:
+            return self._actors.agent(robot)
+        except Exception as error:
+            name = robot_name(robot)
+            raise SwarmError(f"the swarm did not start: {name} cannot be made: {reason_of(error)}") from error
+
+    def _host(self, agents: dict[NodeId, AgentActor]) -> Main:
+        """Return what the process of some agents runs; it holds nothing that those robots may not know."""
+        actors, is_lean = self._actors, len(self._actors.robots) >= LEAN_FROM
+        return partial(run_agents, agents=agents, period_s=actors.period_s, config=actors.agent_config, is_lean=is_lean)
 
     def _grouped(self, processes_max: int) -> list[tuple[NodeId, ...]]:
         """Return the robots of each process.

@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from bringup.scenario import Scenario, rescaled_counts
+from bringup.yaml_reader import YamlTextError, parse_yaml
 from mission_computer.shape import library_names
 from mission_computer.shape.library import suggestion
 from swarm_msgs_py.config import at, dump_config, full_key, load_config, with_setting
@@ -118,8 +119,8 @@ def parse_assignment(text: str) -> Override:
     if not equals or not key.strip():
         raise ConfigError(f"--set {text}: expected key=value, for example --set sim.radio.loss=0.1")
     try:
-        parsed = yaml.safe_load(value)
-    except yaml.YAMLError:
+        parsed = parse_yaml(value)
+    except YamlTextError:
         raise ConfigError(f"{where}: the value is not YAML; quote text, write lists as [1, 2]") from None
     return Override(where, full_key(Scenario, key.strip(), where), parsed)
 
@@ -157,7 +158,7 @@ def _shortest(path: Path) -> Path:
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data = parse_yaml(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ConfigError(
             f"{path}: no such file; give an existing one, or a ready-made scenario: {', '.join(scenario_names())}"
@@ -166,10 +167,8 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give a readable YAML file") from None
     except UnicodeDecodeError:
         raise ConfigError(f"{path}: not a text file; give a YAML file") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f" (line {mark.line + 1}, column {mark.column + 1})" if mark else ""
-        raise ConfigError(f"{path}: not YAML{place}; correct it there") from None
+    except YamlTextError as error:
+        raise ConfigError(f"{path}: {error}; correct it there") from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: expected keys and values; start from one of the ready-made scenarios")
     for name in ("shape", "map"):

@@ -14,6 +14,15 @@ from swarm_msgs_py.types import NodeId
 from swarm_sim.simulation import TickTruth
 
 
+REASON_MAX = 300  # characters of an exception that an alert repeats
+
+
+def reason_of(error: BaseException) -> str:
+    """Return what went wrong, in a line of bearable length."""
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    return text if len(text) <= REASON_MAX else text[: REASON_MAX - 3] + "..."
+
+
 @dataclass(frozen=True, slots=True)
 class Ready:
     """From any child: its nodes are up and everybody they need is connected."""
@@ -24,6 +33,24 @@ class Failed:
     """From any child, before it ends: why."""
 
     reason: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Failed:
+        """Return the record of an exception, in a line."""
+        return cls(reason_of(error))
+
+
+@dataclass(frozen=True, slots=True)
+class AgentFailed:
+    """From a process of agents: one of its robots has failed and is taken out; the others go on."""
+
+    robot: NodeId
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Alive:
+    """From the world, about every second: it is not stuck, even if no tick runs because it is paused or waits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

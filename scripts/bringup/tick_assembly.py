@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from bringup.engine import TickRecord
+from bringup.labels import node_list
 from bringup.telemetry import AgentReports, MissionTick, WorldTick
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport
@@ -22,6 +23,7 @@ class TickAssembly:
         self._dead: set[NodeId] = set()
         self._alerts: list[str] = []
         self._late_plan: Plan | None = None
+        self._forgiven: tuple[int, frozenset[NodeId]] = (-1, frozenset())
 
     def put_world(self, tick: WorldTick) -> None:
         """Take the world's account of a tick."""
@@ -39,6 +41,17 @@ class TickAssembly:
         elif tick.plan is not None:
             self._late_plan = tick.plan
 
+    def give_up(self) -> None:
+        """Wait no more for the reports of the next tick, if the world has run it; an alert says whose are missing.
+
+        Who reports comes after who answers, so a process that stalls in between owes reports that may never come.
+        """
+        world = self._worlds.get(self._next)
+        missing = self._missing(world) if world is not None else frozenset()
+        if missing:
+            self._forgiven = (self._next, missing)
+            self.alert(f"{node_list(sorted(missing))} answered tick {self._next} but did not report; recorded without")
+
     def bury(self, nodes: Iterable[NodeId]) -> None:
         """Wait no more for reports of nodes whose process has died."""
         self._dead |= set(nodes)
@@ -54,12 +67,15 @@ class TickAssembly:
 
     def _is_ready(self) -> bool:
         world = self._worlds.get(self._next)
-        if world is None:
-            return False
-        awaited = world.answered - self._dead
-        if MISSION in awaited and self._next not in self._missions:
-            return False
-        return awaited - {MISSION} <= self._reports.get(self._next, {}).keys()
+        return world is not None and not self._missing(world)
+
+    def _missing(self, world: WorldTick) -> frozenset[NodeId]:
+        """Return who has answered the next tick and still owes the report of it."""
+        tick, forgiven = self._forgiven
+        there: set[NodeId] = {*self._reports.get(self._next, ()), *self._dead}
+        if self._next in self._missions:
+            there.add(MISSION)
+        return world.answered - there - (forgiven if tick == self._next else frozenset())
 
     def _take(self) -> TickRecord:
         tick = self._next

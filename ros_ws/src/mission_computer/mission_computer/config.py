@@ -17,6 +17,17 @@ class MissionConfig(Config):
     repeat_first_s: float = setting(2.0, "first pause before a plan is flooded again", unit="s", above=0.0)
     repeat_growth: float = setting(1.5, "factor from one pause to the next", minimum=1.0, maximum=10.0)
     repeat_longest_s: float = setting(10.0, "longest pause between two floods", unit="s", above=0.0)
+    lost_after_s: float = setting(
+        20.0,
+        "a robot that was heard once counts as lost after this long without a word from it or a route to it;"
+        " driving robots lose touch for a few seconds",
+        unit="s",
+        above=0.0,
+    )
+    regroup_wait_s: float = setting(
+        3.0, "wait this long after a loss or a return, so that several make one new plan", unit="s", minimum=0.0
+    )
+    regroup_pause_s: float = setting(10.0, "least time between two new plans for it", unit="s", minimum=0.0)
     partition: PartitionConfig = section(PartitionConfig, "how a shape becomes goals")
 
     def __post_init__(self) -> None:

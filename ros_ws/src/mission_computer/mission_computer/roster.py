@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,6 +65,23 @@ class Roster(Config):
     def size(self) -> int:
         """Number of robots."""
         return sum(group.count for group in self.groups)
+
+    def without(self, types: Iterable[int]) -> Roster:
+        """Return the roster of those who are left when one robot of each type in `types` is gone.
+
+        Types are repeated as often as robots are gone; those beyond what the roster has do not count.
+
+        Raises
+        ------
+        ConfigError
+            If nobody is left.
+        """
+        gone = Counter(types)
+        counts = {group.type: group.count - gone[group.type] for group in self.groups}
+        left = tuple(replace(group, count=counts[group.type]) for group in self.groups if counts[group.type] > 0)
+        if not left:
+            raise ConfigError("no robot is left; start some")
+        return Roster(groups=left)
 
     def interleaved_types(self) -> IntArray:
         """Return one type number per robot, every type spread as evenly as it can be over the sequence.

@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.types import FloatArray
 
+COORDINATE_MAX = 1e6
+"""Largest coordinate on the air [m]: more is no place of a robot, and as ``float32`` exact to no more than 6 cm."""
+
 
 class Reader:
     """Reads a buffer from front to back and never beyond its end.
@@ -63,9 +66,9 @@ class Reader:
         Raises
         ------
         FrameError
-            If the record is too short or a coordinate is not finite.
+            If the record is too short or a coordinate is not finite, or absurd.
         """
-        return frozen(finite(self.array("<f4", 2 * count).astype(np.float64).reshape(count, 2)))
+        return frozen(checked(self.array("<f4", 2 * count).astype(np.float64).reshape(count, 2)))
 
     def rest(self) -> bytes:
         """Return all that is left."""
@@ -95,17 +98,17 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def finite(values: FloatArray) -> FloatArray:
-    """Return `values`.
+def checked(coordinates: FloatArray) -> FloatArray:
+    """Return `coordinates` [m].
 
     Raises
     ------
     FrameError
-        If one of them is not finite.
+        If one of them is not finite or beyond `COORDINATE_MAX`.
     """
-    if not np.isfinite(values).all():
-        raise FrameError("a coordinate is not finite")
-    return values
+    if not (np.abs(coordinates) <= COORDINATE_MAX).all():  # false for NaN as well
+        raise FrameError(f"a coordinate is not finite, or beyond {COORDINATE_MAX:g} m")
+    return coordinates
 
 
 def packed(layout: struct.Struct, *fields: object) -> bytes:
@@ -128,12 +131,9 @@ def packed_points(points: ArrayLike) -> bytes:
     Raises
     ------
     FrameError
-        If they are not pairs of finite numbers in the range of ``float32``.
+        If a coordinate is not finite or beyond `COORDINATE_MAX`.
     """
-    array = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-    if not (np.abs(array) <= np.finfo(np.float32).max).all():
-        raise FrameError("a coordinate is not finite")
-    return array.astype("<f4").tobytes()
+    return checked(np.asarray(points, dtype=np.float64).reshape(-1, 2)).astype("<f4").tobytes()
 
 
 def packed_integers(values: ArrayLike | Sequence[int], dtype: str) -> bytes:

@@ -3,7 +3,7 @@
 A body is one kind byte and the record's fields, little-endian and without padding: positions, goals and contours as
 ``float32`` [m], costs as unsigned 16 bit [cm]. Decoding is memoised on the bytes: the fifty receivers of one body in a
 process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with exactly the numbers
-that its receivers see decodes its own bytes.
+that its receivers see decodes its own bytes. No body is longer than `BODY_MAX`, so each fits one packet.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from swarm_msgs_py.binary import Reader, frozen, packed, packed_integers, packed_points
+from swarm_msgs_py.binary import Reader, checked, frozen, packed, packed_integers, packed_points
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
 from swarm_msgs_py.types import NodeId
@@ -24,7 +24,11 @@ _COUNT = struct.Struct("<H")
 _PLAN = struct.Struct("<IHHH")  # epoch; points of the contour, obstacles, goals
 _ROW = struct.Struct("<IHBHH")  # epoch, robot, type, version; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
+_COST_SIZE = 2
 _REPORT = struct.Struct("<HBIhffB")  # robot, type, epoch, goal, x, y, mode
+
+BODY_MAX = 65_500
+"""Bytes of the longest body: what a frame, whose length travels as 16 bits, can carry."""
 
 _PLAN_KIND, _ROW_KIND, _REQUEST_KIND, _BUNDLE_KIND, _REPORT_KIND = range(1, 6)
 
@@ -35,8 +39,22 @@ def encode_body(body: Body) -> bytes:
     Raises
     ------
     FrameError
-        If a value does not fit the format (e.g. a coordinate that is not finite).
+        If a value does not fit the format (e.g. a coordinate that is not finite), or the body is longer than
+        `BODY_MAX`.
     """
+    data = _encode(body)
+    if len(data) > BODY_MAX:
+        size = f"{type(body).__name__} of {len(data)} bytes; a packet carries at most {BODY_MAX}"
+        raise FrameError(f"{size}; {_advice(body)}" if isinstance(body, Plan) else size)
+    return data
+
+
+def row_size(row: CostRow) -> int:
+    """Return how many bytes a row adds to a `RowBundle`."""
+    return _ROW.size + _COST_SIZE * len(row.costs)
+
+
+def _encode(body: Body) -> bytes:
     if isinstance(body, Plan):
         return _KIND.pack(_PLAN_KIND) + _encode_plan(body)
     if isinstance(body, CostRow):
@@ -68,6 +86,15 @@ def decode_body(data: bytes) -> Body:
     body = decode(reader)
     reader.finish()
     return body
+
+
+def _advice(plan: Plan) -> str:
+    """Return what makes a plan long, and what to do about it."""
+    corners = sum(map(len, plan.obstacles))
+    return (
+        f"it has {len(plan.goals)} goals of 9 bytes, {len(plan.contour)} contour points of 8, and {len(plan.obstacles)} "
+        f"obstacles with {corners} corners of 8: use fewer goals, or simplify the contour or the obstacles"
+    )
 
 
 def _encode_plan(plan: Plan) -> bytes:
@@ -113,8 +140,7 @@ def _decode_bundle(reader: Reader) -> RowBundle:
 
 def _decode_report(reader: Reader) -> Report:
     robot, robot_type, epoch, goal, x, y, mode = reader.fields(_REPORT)
-    if not (abs(x) < np.inf and abs(y) < np.inf):  # false for NaN as well
-        raise FrameError("a coordinate is not finite")
+    checked(np.array([x, y]))
     return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode)
 
 

@@ -18,7 +18,6 @@ frame)*.
 
 from __future__ import annotations
 
-import math
 import struct
 from binascii import crc_hqx
 from collections.abc import Iterable
@@ -27,7 +26,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from swarm_msgs_py.binary import Reader, frozen, packed, packed_integers
+from swarm_msgs_py.binary import COORDINATE_MAX, Reader, frozen, packed, packed_integers
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
@@ -51,6 +50,9 @@ ROUTE_ROW = np.dtype([("destination", "<u2"), ("hops", "u1"), ("sequence", "<u2"
 OVERHEAD = _HEADER.size + _CHECK.size
 """Bytes that a frame adds to its payload."""
 
+FRAME_MAX = 0xFFFF
+"""Bytes of the longest frame: a batch gives the length of a frame in 16 bits."""
+
 HELLO_SIZE = OVERHEAD + _PRESENCE.size
 """Bytes of a hello without route rows."""
 
@@ -61,7 +63,8 @@ def encode_frame(frame: Frame) -> bytes:
     Raises
     ------
     FrameError
-        If a value does not fit the format (e.g. a coordinate that is not finite).
+        If a value does not fit the format (e.g. a coordinate that is not finite), or the frame would be longer than
+        `FRAME_MAX`.
     """
     if isinstance(frame, Hello):
         kind, payload = _HELLO_KIND, _encode_hello(frame)
@@ -72,6 +75,8 @@ def encode_frame(frame: Frame) -> bytes:
     else:
         kind = _ACKNOWLEDGEMENT_KIND
         payload = packed_integers([n for triple in frame.packets for n in triple], "<u2")
+    if len(payload) > FRAME_MAX - OVERHEAD:
+        raise FrameError(f"{type(frame).__name__} of {len(payload) + OVERHEAD} bytes; a frame has at most {FRAME_MAX}")
     data = packed(_HEADER, VERSION, kind, frame.source, frame.sequence, len(payload)) + payload
     return data + _CHECK.pack(crc_hqx(data, 0))
 
@@ -87,6 +92,8 @@ def decode_frame(data: bytes) -> Frame:
     """
     if len(data) < OVERHEAD:
         raise FrameError(f"{len(data)} bytes are too few for a frame")
+    if len(data) > FRAME_MAX:  # it could be read, but not passed on
+        raise FrameError(f"{len(data)} bytes are too many for a frame, which has at most {FRAME_MAX}")
     version, kind, source, sequence, length = _HEADER.unpack_from(data)
     if version != VERSION:
         raise FrameError(f"frame of version {version}, not {VERSION}")
@@ -109,8 +116,7 @@ def decode_frame(data: bytes) -> Frame:
 def _encode_hello(hello: Hello) -> bytes:
     presence, routes = hello.presence, hello.routes
     numbers = (*presence.position.tolist(), *presence.velocity.tolist(), presence.sigma)
-    if not all(map(math.isfinite, numbers[:4])) or not presence.sigma >= 0.0:
-        raise FrameError("position and velocity must be finite, sigma not negative")
+    _check_presence(*numbers)
     flags = _IS_BEACON if presence.is_beacon else 0
     state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)
     rows = np.empty(len(routes.destinations), ROUTE_ROW)
@@ -122,8 +128,7 @@ def _encode_hello(hello: Hello) -> bytes:
 
 def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
     x, y, vx, vy, sigma, robot_type, flags, mode, epoch, digest = reader.fields(_PRESENCE)
-    if not all(map(math.isfinite, (x, y, vx, vy))) or not sigma >= 0.0:  # infinite sigma: position unknown
-        raise FrameError("position and velocity must be finite, sigma not negative")
+    _check_presence(x, y, vx, vy, sigma)
     presence = Presence(
         position=frozen(np.array([x, y])),
         velocity=frozen(np.array([vx, vy])),
@@ -138,6 +143,12 @@ def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
     reader.finish()
     columns = (frozen(rows[name].astype(np.int64)) for name in ("destination", "hops", "sequence"))
     return Hello(source, sequence, presence, RouteRows(*columns))
+
+
+def _check_presence(x: float, y: float, vx: float, vy: float, sigma: float) -> None:
+    # Comparisons with NaN are false. An infinite sigma means that the position is unknown.
+    if not (all(abs(number) <= COORDINATE_MAX for number in (x, y, vx, vy)) and sigma >= 0.0):
+        raise FrameError(f"position and velocity must be finite and within {COORDINATE_MAX:g}, sigma not negative")
 
 
 def _decode_acknowledgement(source: NodeId, sequence: int, reader: Reader) -> Acknowledgement:

@@ -91,6 +91,14 @@ class RangingConfig(Config):
     """Time-of-arrival ranging between direct radio neighbors (model `range` of spec section 4)."""
 
     sigma_m: float = setting(2.0, "white noise of each range (thesis: 2 m)", unit="m", minimum=0.0)
+    period_s: float = setting(
+        3.0,
+        "time between two rounds of ranging, in which all robots range; up to the control period: every tick (thesis: "
+        "the localization period)",
+        unit="s",
+        minimum=0.0,
+        maximum=600.0,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +118,10 @@ class RadioConfig(Config):
     loss: float = setting(0.0, "probability that one receiver misses one frame", minimum=0.0, maximum=1.0)
     delay_ticks_max: int = setting(0, "largest extra delay of a frame, drawn per receiver", unit="ticks", minimum=0)
     budget_bps: float = setting(
-        250_000.0, "what one radio may send; frames beyond it are dropped", unit="bit/s", above=0.0
+        250_000.0, "bit rate of one radio; what a tick has no time for goes on in the next", unit="bit/s", above=0.0
+    )
+    queue_s: float = setting(
+        1.0, "a frame that would wait longer than this for its turn is dropped", unit="s", minimum=0.0, maximum=60.0
     )
 
 

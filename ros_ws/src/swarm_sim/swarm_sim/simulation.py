@@ -187,7 +187,7 @@ class Simulation:
     def advance(self) -> TickTruth:
         """Run the bodies through one control period, and begin the next tick."""
         if not self._is_applied:
-            self._unanswered += 1
+            self.apply({}, {})
         self._setpoints[(self._unanswered > self._patience) | ~self._alive[:-1]] = 0.0
         motion = self._world.advance(self._setpoints)
         gap = clearance(motion.start.positions, motion.samples, self._radii, self._obstacles)
@@ -226,6 +226,7 @@ class Simulation:
             return
         logger.info("tick %d: %s died", self._tick, "mission computer" if node == MISSION else robot_name(node))
         self._alive[row] = False
+        self._medium.silence(node)
         self._inboxes[row] = ()
         self._link_table = None
         if node != MISSION:

@@ -9,7 +9,7 @@ import numpy as np
 from mission_computer.partition.config import BubbleConfig, BubbleLaw
 from mission_computer.partition.domain import Domain
 from mission_computer.partition.initial_placement import place
-from mission_computer.partition.separation import Separator
+from mission_computer.partition.separation import FINAL_SWEEPS, Separator
 from mission_computer.partition.shape_force import ShapeForce
 from swarm_msgs_py.types import FloatArray
 
@@ -18,7 +18,6 @@ DISTANCE_MIN = 1e-9  # [m]; two bubbles in one place push each other nowhere, an
 THESIS_PEAK = 4.0  # force of (3.95) at zero distance; brings its steps to the size of the scaled law's
 STEP_FLOOR = 0.2  # share of the step limit that is left in the last iteration
 SWEEPS = 2  # of pushing apart, per iteration; the next iteration goes on where they end
-FINAL_SWEEPS = 500  # enough for what the forces leave in a tight shape
 
 
 class BubblePacking:
@@ -37,29 +36,12 @@ class BubblePacking:
         """Return whether Algorithm 1 finds room for every circle; the packing only improves on it."""
         return place(domain) is not None
 
-    def place(self, domain: Domain, start: FloatArray | None = None) -> FloatArray | None:
-        """Return the centers of the packed circles.
-
-        Parameters
-        ----------
-        domain : Domain
-        start : (n, 2) array or None
-            Where to start from, e.g. the goals of the shape before it changed; None: Algorithm 1.
-
-        Returns
-        -------
-        (n, 2) array or None
-            Centers that keep all gaps; None if Algorithm 1 finds no room.
-        """
-        separator = Separator(domain)
-        if start is not None:
-            centers = separator.apart(start, FINAL_SWEEPS)
-            if separator.is_separated(centers):
-                return self._relax(domain, centers, softness=0.0)
+    def place(self, domain: Domain) -> FloatArray | None:
+        """Return the (n, 2) centers of the packed circles, which keep all gaps; None if Algorithm 1 finds no room."""
         placed = place(domain)
-        return None if placed is None else self._relax(domain, placed, self._config.softness)
+        return None if placed is None else self._relax(domain, placed)
 
-    def _relax(self, domain: Domain, placed: FloatArray, softness: float) -> FloatArray:
+    def _relax(self, domain: Domain, placed: FloatArray) -> FloatArray:
         """Return the centers at rest; they keep all gaps if those of `placed` do."""
         config = self._config
         law = _LAWS[config.law](config, domain)
@@ -68,7 +50,9 @@ class BubblePacking:
         centers = placed
         for iteration in range(config.iterations_max):
             done = iteration / config.iterations_max
-            stretch = 1.0 + softness * max(0.0, 1.0 - done / config.softening) if config.softening else 1.0
+            stretch = 1.0
+            if config.softening:
+                stretch += config.softness * max(0.0, 1.0 - done / config.softening)
             force = law.between(centers, stretch) + law.shape_gain * shape_force.at(centers)
             limit = config.step_max * law.base * (STEP_FLOOR + (1.0 - STEP_FLOOR) * (1.0 - done))
             steps = law.mobility * force

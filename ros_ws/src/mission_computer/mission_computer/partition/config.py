@@ -43,7 +43,7 @@ class BubbleConfig(Config):
 
     law: BubbleLaw = setting(BubbleLaw.SCALED, "force law between bubbles")
     beta: float = setting(1.1, "range l0 of the force, in hexagonal spacings", minimum=1.0, maximum=1.5)
-    softness: float = setting(0.6, "a cold start begins with a range longer by this share", minimum=0.0, maximum=2.0)
+    softness: float = setting(0.6, "the packing begins with a range longer by this share", minimum=0.0, maximum=2.0)
     softening: float = setting(0.5, "share of the iterations until the range is l0", minimum=0.0, maximum=1.0)
     eta: float = setting(0.0, "share of radius in the range: 0 even centers, 0.25 even gaps", minimum=0.0, maximum=1.0)
     kappa: float = setting(0.2, "gain of the shape force", minimum=0.0, maximum=2.0)

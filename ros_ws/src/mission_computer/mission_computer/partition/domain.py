@@ -81,16 +81,16 @@ class Domain:
         return Domain(self.center + factor * (self.contour - self.center), (), self.radii, self.gaps)
 
 
-def check_obstacles(domain: Domain) -> None:
-    """Refuse a shape that lies over an obstacle.
+def check_obstacles(contour: FloatArray, obstacles: tuple[FloatArray, ...]) -> None:
+    """Refuse a shape that lies over an obstacle of the map.
 
     Raises
     ------
     ShapeError
         Naming the obstacle, its place and the area that is covered.
     """
-    shape = Polygon(domain.contour)
-    for index, outline in enumerate(domain.obstacles):
+    shape = Polygon(contour)
+    for index, outline in enumerate(obstacles):
         obstacle = Polygon(outline)
         covered = shape.intersection(obstacle)
         if covered.area > 0.0:

@@ -18,16 +18,12 @@ class PartitionMethod(Protocol):
         """Return whether `place` would find room for every circle."""
         ...
 
-    def place(self, domain: Domain, start: FloatArray | None = None) -> FloatArray | None:
-        """Return the (n, 2) centers, or None if there is no room.
-
-        Centers keep all gaps of the domain. `start` holds earlier centers to begin from, for a shape that has changed
-        a little.
-        """
+    def place(self, domain: Domain) -> FloatArray | None:
+        """Return the (n, 2) centers, which keep all gaps of the domain, or None if there is no room."""
         ...
 
 
-METHODS: Mapping[Method, Callable[[PartitionConfig, int], PartitionMethod]] = {
-    Method.BUBBLE_PACKING: lambda config, _seed: BubblePacking(config.bubbles),
+METHODS: Mapping[Method, Callable[[PartitionConfig], PartitionMethod]] = {
+    Method.BUBBLE_PACKING: lambda config: BubblePacking(config.bubbles),
 }
-"""How to make each method from its settings and the seed of the run."""
+"""How to make each method from its settings."""

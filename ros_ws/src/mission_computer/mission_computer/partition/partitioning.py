@@ -40,7 +40,7 @@ def partition(
     obstacles: tuple[FloatArray, ...] = (),
     config: PartitionConfig | None = None,
     *,
-    seed: int = 0,
+    keep_outs: tuple[FloatArray, ...] = (),
 ) -> GoalSet:
     """Fill a shape with one goal per robot.
 
@@ -51,11 +51,11 @@ def partition(
     roster : Roster
         Whom to place.
     obstacles : tuple of (m, 2) array
-        Polygons that goals must stay clear of [m].
+        Polygons of the map: goals stay clear of them, and the shape must not lie over them [m].
     config : PartitionConfig or None
         Method and tuning; None for the defaults.
-    seed : int
-        For methods that draw.
+    keep_outs : tuple of (m, 2) array
+        Polygons that goals stay clear of, wherever they are, e.g. around what stands in the shape [m].
 
     Returns
     -------
@@ -69,7 +69,7 @@ def partition(
         If the shape lies over an obstacle (which, where), or is too small for the robots (with the scale it needs).
     """
     config = config or PartitionConfig()
-    method = METHODS[config.method](config, seed)
+    method = METHODS[config.method](config)
     domain, types = _posed(shape, roster, obstacles, config, method)
     centers = method.place(domain)
     if centers is None:
@@ -82,8 +82,6 @@ def check_fits(
     roster: Roster,
     obstacles: tuple[FloatArray, ...] = (),
     config: PartitionConfig | None = None,
-    *,
-    seed: int = 0,
 ) -> None:
     """Refuse what `partition` would refuse, in a fraction of its time.
 
@@ -93,7 +91,7 @@ def check_fits(
         As `partition`.
     """
     config = config or PartitionConfig()
-    method = METHODS[config.method](config, seed)
+    method = METHODS[config.method](config)
     domain, _ = _posed(shape, roster, obstacles, config, method)
     if not method.fits(domain):
         raise ShapeError(_remedy(domain, roster, method))

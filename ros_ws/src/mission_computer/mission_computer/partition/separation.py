@@ -9,6 +9,7 @@ from swarm_msgs_py.types import FloatArray
 
 SLACK = 1e-6  # [m]; overlap that counts as none: far below every gap, far above rounding
 OVERPUSH = 1.0001  # pairs are pushed a little too far apart, so that the sweeps end
+FINAL_SWEEPS = 500  # enough for what is left to part in a tight shape
 
 
 class Separator:

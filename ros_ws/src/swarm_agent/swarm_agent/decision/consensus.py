@@ -8,16 +8,23 @@ at one common set wherever it is connected, also after a partition has healed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.rows import RowBook
-from swarm_msgs_py.body_codec import decode_body, encode_body
+from swarm_msgs_py.body_codec import decode_body, encode_body, row_size
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.bodies import CostRow, Plan, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import CostRow, Plan, RowBundle, RowRequest, is_newer_epoch
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import IntArray, NodeId
+
+BUNDLE_SIZE = 1000
+"""Bytes of cost rows in one packet (at least one row): about what a radio sends in a few hundredths of a second."""
+
+BUNDLES_PER_REQUEST, BUNDLES_PER_TICK = 4, 12
+"""Packets of rows that answer one request, and all requests of one tick; what is left waits for the next request."""
 
 
 class Consensus:
@@ -41,6 +48,7 @@ class Consensus:
         self._repair_period = max(1, round(config.repair_period_s / period_s))
         self._changed_at = 0  # tick of the last change of the book
         self._asked_at = -self._repair_period
+        self._bundles_left = BUNDLES_PER_TICK
         self.book = RowBook()
 
     @property
@@ -50,6 +58,7 @@ class Consensus:
 
     def receive(self, tick: int, deliveries: Sequence[Delivery], mesh: MeshNetwork) -> None:
         """Merge what the mesh delivered; answer requests of neighbors."""
+        self._bundles_left = BUNDLES_PER_TICK
         for delivery in deliveries:
             try:
                 body = decode_body(delivery.body)
@@ -63,7 +72,7 @@ class Consensus:
                 for row in body.rows:
                     self._note(tick, changed=self.book.put(row))
             elif isinstance(body, RowRequest):
-                self._answer(delivery.origin, body, mesh)
+                self._answer(tick, delivery.origin, body, mesh)
 
     def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork) -> None:
         """Publish this robot's own costs [cm] for the plan in force."""
@@ -82,7 +91,7 @@ class Consensus:
             neighbor
             for neighbor, its in mesh.neighbors.items()
             if its.digest != digest or its.epoch != epoch
-            if its.epoch > epoch or (at_rest and its.epoch == epoch and its.robot_type)
+            if is_newer_epoch(its.epoch, epoch) or (at_rest and its.epoch == epoch and its.robot_type)
         ]
         if ahead:
             # Another neighbor each time: one that cannot help must not be asked forever.
@@ -90,16 +99,34 @@ class Consensus:
             mesh.send(neighbor, encode_body(RowRequest(self.book.epoch, self.book.versions())))
             self._asked_at = tick
 
-    def _answer(self, asker: NodeId, request: RowRequest, mesh: MeshNetwork) -> None:
+    def _answer(self, tick: int, asker: NodeId, request: RowRequest, mesh: MeshNetwork) -> None:
         if self.book.plan is None or request.epoch > self.book.epoch:
             return
         if request.epoch < self.book.epoch:
             mesh.send(asker, encode_body(self.book.plan))
         held = request.held if request.epoch == self.book.epoch else ()
         rows = self.book.missing_in(held)
-        if rows:
-            mesh.send(asker, encode_body(RowBundle(rows)))
+        # Begin elsewhere each time: rows that the asker cannot take must not keep the others from it.
+        first = tick % len(rows) if sum(map(row_size, rows)) > BUNDLE_SIZE * BUNDLES_PER_REQUEST else 0
+        bundles = islice(_bundled(rows[first:] + rows[:first]), min(BUNDLES_PER_REQUEST, self._bundles_left))
+        for bundle in bundles:
+            self._bundles_left -= 1
+            mesh.send(asker, encode_body(bundle))
 
     def _note(self, tick: int, *, changed: bool) -> None:
         if changed:
             self._changed_at = tick
+
+
+def _bundled(rows: Sequence[CostRow]) -> Iterator[RowBundle]:
+    """Yield the rows in bundles of at most `BUNDLE_SIZE` bytes, or of one row that is longer."""
+    some: list[CostRow] = []
+    size = 0
+    for row in rows:
+        if some and size + row_size(row) > BUNDLE_SIZE:
+            yield RowBundle(tuple(some))
+            some, size = [], 0
+        some.append(row)
+        size += row_size(row)
+    if some:
+        yield RowBundle(tuple(some))

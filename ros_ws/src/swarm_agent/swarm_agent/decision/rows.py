@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterable
 
-from swarm_msgs_py.messages.bodies import CostRow, Plan
+from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, CostRow, Plan, is_newer_epoch
 from swarm_msgs_py.types import NodeId
 
 
@@ -27,8 +27,8 @@ class RowBook:
         return self.plan.epoch if self.plan is not None else 0
 
     def adopt(self, plan: Plan) -> bool:
-        """Take a newer plan, forget the rows of the old one; return whether it was newer."""
-        if plan.epoch <= self.epoch:
+        """Take a newer plan, forget the rows of the old one; return whether it was newer (and not absurd)."""
+        if not is_newer_epoch(plan.epoch, self.epoch) or not _is_sound(plan):
             return False
         self.plan = plan
         self._rows = {}
@@ -36,9 +36,10 @@ class RowBook:
         return True
 
     def put(self, row: CostRow) -> bool:
-        """Take a row of this epoch if it is newer than the one held; return whether it was."""
+        """Take a row of this epoch if it is newer than the one held; return whether it was (and not absurd)."""
         held = self._rows.get(row.robot)
-        if row.epoch != self.epoch or (held is not None and held.version >= row.version) or not self._fits(row):
+        version = held.version if held else 0
+        if row.epoch != self.epoch or not version < row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
             return False
         self._rows[row.robot] = row
         # Order-free sum of one checksum per row: merging in any order ends at the same digest.
@@ -69,8 +70,14 @@ class RowBook:
 
     def _fits(self, row: CostRow) -> bool:
         """Return whether the row is as long as its type has goals: anything else would break the assignment."""
-        assert self.plan is not None  # the epochs agree, and epoch 0 is never sent
+        if self.plan is None:
+            return False
         return len(row.costs) in (0, int((self.plan.goal_types == row.robot_type).sum()))
+
+
+def _is_sound(plan: Plan) -> bool:
+    """Return whether a plan is one that a robot can follow: somewhere to go, and no obstacle without a corner."""
+    return len(plan.goals) > 0 and all(map(len, plan.obstacles))
 
 
 def _fingerprint(row: CostRow) -> int:

@@ -56,6 +56,9 @@ class AgentNode(Node):
         Control period [s].
     on_step : callable or None
         Is handed what the agent answered, after it was sent.
+    on_failure : callable or None
+        Is handed what the agent, or sending its answer, raised; from then on the node keeps silent, until its owner
+        destroys it. None lets the exception end the process, as is right for a robot that has it to itself.
     **options
         Of `rclpy.node.Node`.
     """
@@ -66,10 +69,12 @@ class AgentNode(Node):
         robot: NodeId,
         period_s: float,
         on_step: Callable[[AgentOutputs], None] | None = None,
+        on_failure: Callable[[Exception], None] | None = None,
         **options: Any,
     ) -> None:
         super().__init__(NAME, namespace=robot_name(robot), **options)
-        self._agent, self._robot, self._period, self._on_step = agent, robot, period_s, on_step
+        self._agent, self._robot, self._period = agent, robot, period_s
+        self._on_step, self._on_failure, self._has_failed = on_step, on_failure, False
         self._frame = convert.body_frame(robot)
         self._assembler = InputAssembler(period_s)
         self._command = channels.publisher(self, topics.CMD_VEL, robot)
@@ -86,9 +91,17 @@ class AgentNode(Node):
         self, channel: topics.Channel, decode: Callable[[bytes], Any], put: Callable[[Any], AgentInputs | None]
     ) -> None:
         def take(record: Any) -> None:
-            inputs = put(record)
-            if inputs is not None:  # the tick is complete
-                self._answer(self._agent.step(inputs))
+            if self._has_failed:
+                return
+            try:
+                inputs = put(record)
+                if inputs is not None:  # the tick is complete
+                    self._answer(self._agent.step(inputs))
+            except Exception as error:
+                if self._on_failure is None:
+                    raise
+                self._has_failed = True
+                self._on_failure(error)
 
         channels.decoded_subscription(self, channel, decode, take, self._robot)
 

@@ -32,6 +32,15 @@ class Plan:
     goal_types: IntArray
 
 
+EPOCH_LEAP_MAX = 2**20
+"""By how much one plan may be numbered beyond the last; more is noise, and would shut out all real plans after it."""
+
+
+def is_newer_epoch(epoch: int, held: int) -> bool:
+    """Return whether a plan of number `epoch` replaces the one `held`; an absurdly high number is noise and does not."""
+    return held < epoch <= held + EPOCH_LEAP_MAX
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CostRow:
     """What each goal of its type would cost one robot.
@@ -56,6 +65,9 @@ class CostRow:
     version: int
     costs: IntArray
 
+
+VERSION_LEAP_MAX = 1024
+"""By how much one version may be numbered beyond the last; more is noise, and would shut out the robot's real rows."""
 
 UNREACHABLE = 0xFFFF
 """Cost [cm] that stands for: there is no path."""

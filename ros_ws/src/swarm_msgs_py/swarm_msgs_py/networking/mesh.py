@@ -16,6 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from swarm_msgs_py.body_codec import BODY_MAX
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
 from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Frame, Hello, Packet, Presence, RadioCounters
@@ -28,6 +29,8 @@ from swarm_msgs_py.types import EVERYONE, NodeId
 
 _NUMBERS_PER_TICK = 16
 """Packet numbers of a node that starts late begin beyond those of an earlier life of it."""
+
+_ACKNOWLEDGED_PER_FRAME = 1000
 
 
 class MeshNetwork:
@@ -137,7 +140,14 @@ class MeshNetwork:
         return tuple(deliveries)
 
     def flood(self, body: bytes) -> None:
-        """Send `body` to every node that can be reached, without acknowledgement."""
+        """Send `body` to every node that can be reached, without acknowledgement.
+
+        Raises
+        ------
+        FrameError
+            If `body` is longer than `BODY_MAX` bytes.
+        """
+        _check_size(body)
         packet = self._packet(EVERYONE, EVERYONE, body)
         self._remember((packet.origin, packet.number))
         self._to_flood.append(packet)
@@ -146,7 +156,13 @@ class MeshNetwork:
         """Send `body` to one node; return False, and send nothing, when there is no route to it.
 
         A route that broke lately counts as one: the packet waits for its repair.
+
+        Raises
+        ------
+        FrameError
+            If `body` is longer than `BODY_MAX` bytes.
         """
+        _check_size(body)
         if destination == self._node:
             self._to_self.append(Delivery(self._node, body))
             return True
@@ -170,7 +186,9 @@ class MeshNetwork:
             frames.append(encode_frame(Hello(self._node, self._next_frame(), presence, rows)))
         if self._to_acknowledge:
             arrived = tuple(dict.fromkeys(self._to_acknowledge))
-            frames.append(encode_frame(Acknowledgement(self._node, self._next_frame(), arrived)))
+            for first in range(0, len(arrived), _ACKNOWLEDGED_PER_FRAME):
+                some = arrived[first : first + _ACKNOWLEDGED_PER_FRAME]
+                frames.append(encode_frame(Acknowledgement(self._node, self._next_frame(), some)))
             self._to_acknowledge.clear()
         while self._to_flood:
             frames.append(self._encode(self._to_flood.popleft(), EVERYONE))
@@ -275,6 +293,11 @@ class MeshNetwork:
     def _next_frame(self) -> int:
         self._frame_number = (self._frame_number + 1) & 0xFFFF
         return self._frame_number
+
+
+def _check_size(body: bytes) -> None:
+    if len(body) > BODY_MAX:
+        raise FrameError(f"body of {len(body)} bytes; a packet carries at most {BODY_MAX}")
 
 
 @lru_cache(maxsize=8192)

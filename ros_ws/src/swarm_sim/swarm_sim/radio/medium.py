@@ -1,7 +1,13 @@
-"""The radio medium: frames in, frames out, with loss, delay and a byte budget."""
+"""The radio medium: frames in, frames out, with loss, delay and a bit rate.
+
+A radio transmits its frames one after another at its bit rate. What a tick has no time for goes on in the next: the rest
+of a frame that has begun, then the frames that wait behind it. So a frame of any length gets through, in as many ticks
+as it takes; who hears it is decided in the tick in which it is complete.
+"""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,12 +29,14 @@ class RadioTraffic:
 
     Attributes
     ----------
-    frames, bytes : int
-        Transmitted by all radios together.
+    frames : int
+        Completed by all radios together.
+    bytes : int
+        Transmitted by all radios together, parts of frames included.
     peak_bps : float
         Largest rate of any one radio [bit/s].
     dropped : int
-        Frames that a radio could not transmit, its budget being spent.
+        Frames that no radio will transmit: too much was waiting before them, or the radio went silent.
     """
 
     frames: int = 0
@@ -55,6 +63,62 @@ class _Flight:
     heard: NDArray[np.bool_]
 
 
+class _Transmitter:
+    """One radio's frames on their way out: first in, first out, at a constant bit rate."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[bytes] = deque()
+        self._backlog = 0  # bytes still to transmit
+        self._begun = 0  # bytes of the first waiting frame that are on the air already
+
+    def send(self, outbox: Sequence[bytes], allowance: int, backlog_max: float) -> tuple[Sequence[bytes], int, int]:
+        """Transmit for one tick.
+
+        Parameters
+        ----------
+        outbox : sequence of bytes
+            New frames.
+        allowance : int
+            Bytes that the tick has time for.
+        backlog_max : float
+            A new frame is dropped when more bytes than this would be left before it at the end of the tick.
+
+        Returns
+        -------
+        frames : sequence of bytes
+            Completed in this tick.
+        sent : int
+            Bytes transmitted in this tick.
+        dropped : int
+            New frames that were dropped.
+        """
+        size = sum(map(len, outbox))
+        if not self._backlog and size <= allowance:  # nearly always
+            return outbox, size, 0
+        dropped = 0
+        for frame in outbox:
+            if self._backlog - allowance > backlog_max:
+                dropped += 1
+            else:
+                self._waiting.append(frame)
+                self._backlog += len(frame)
+        sent = min(allowance, self._backlog)
+        self._backlog -= sent
+        self._begun += sent
+        done = []
+        while self._waiting and self._begun >= len(self._waiting[0]):
+            done.append(self._waiting.popleft())
+            self._begun -= len(done[-1])
+        return done, sent, dropped
+
+    def clear(self) -> int:
+        """Forget what waits and return how many frames that were."""
+        forgotten = len(self._waiting)
+        self._waiting.clear()
+        self._backlog = self._begun = 0
+        return forgotten
+
+
 class Medium:
     """Carries frames between radios; one tick is `transmit`, then `collect` in the next tick.
 
@@ -73,14 +137,16 @@ class Medium:
         self._config = config
         self._radios = tuple(radios)
         self._period_s = period_s
-        self._allowance = config.budget_bps / BITS * period_s
-        self._tokens = [self._allowance] * len(radios)
+        self._bytes_per_tick = config.budget_bps / BITS * period_s
+        self._backlog_max = config.budget_bps / BITS * config.queue_s
+        self._transmitters = [_Transmitter() for _ in radios]
+        self._silenced = 0  # frames lost with their radio since the last tick
         # A stream per sender: what one radio sends never changes the luck of another.
         self._rngs = [rng_for(seed, "radio", radio) for radio in radios]
         self._flights: dict[int, list[_Flight]] = {}
 
     def transmit(self, tick: int, outboxes: Mapping[NodeId, Sequence[bytes]], links: LinkTable) -> RadioTraffic:
-        """Put the frames of a tick on the air.
+        """Let every radio transmit for one tick, what waits from earlier ticks first; call it in every tick.
 
         Parameters
         ----------
@@ -93,19 +159,30 @@ class Medium:
         frames: list[bytes] = []
         senders: list[int] = []
         misses = []
-        sent_bytes, peak, dropped = 0, 0, 0
-        for row, radio in enumerate(self._radios):
-            outbox = outboxes.get(radio, ())
-            accepted = self._spend(row, outbox)
-            size = sum(map(len, accepted))
-            sent_bytes, peak, dropped = sent_bytes + size, max(peak, size), dropped + len(outbox) - len(accepted)
+        total, peak, dropped = 0, 0, self._silenced
+        self._silenced = 0
+        # Whole bytes; the fraction that a tick leaves over goes to a later one.
+        allowance = int((tick + 1) * self._bytes_per_tick) - int(tick * self._bytes_per_tick)
+        for row, (radio, transmitter) in enumerate(zip(self._radios, self._transmitters, strict=True)):
+            accepted, sent, refused = transmitter.send(outboxes.get(radio, ()), allowance, self._backlog_max)
+            total, peak, dropped = total + sent, max(peak, sent), dropped + refused
             frames += accepted
             senders += [row] * len(accepted)
             if self._is_random and accepted:
                 misses.append(self._rngs[row].random((len(accepted), 2, len(self._radios))))
         if frames:
             self._launch(tick, frames, np.array(senders), np.concatenate(misses) if misses else None, links)
-        return RadioTraffic(len(frames), sent_bytes, peak * BITS / self._period_s, dropped)
+        return RadioTraffic(len(frames), total, peak * BITS / self._period_s, dropped)
+
+    def silence(self, radio: NodeId) -> None:
+        """Let a radio that died transmit no more: what it has not completed is dropped.
+
+        Raises
+        ------
+        ValueError
+            If there is no such radio.
+        """
+        self._silenced += self._transmitters[self._radios.index(radio)].clear()
 
     def collect(self, tick: int, alive: NDArray[np.bool_]) -> list[tuple[bytes, ...]]:
         """Return what each radio heard since the last tick, by sender's address, then by order of transmission.
@@ -133,21 +210,6 @@ class Medium:
     @property
     def _is_random(self) -> bool:
         return self._config.loss > 0.0 or self._config.delay_ticks_max > 0
-
-    def _spend(self, row: int, outbox: Sequence[bytes]) -> list[bytes]:
-        """Return the frames that the radio's budget allows in this tick, in order.
-
-        An idle radio may begin one frame that is longer than a tick's allowance; it then stays busy until the frame is
-        paid for.
-        """
-        tokens = self._tokens[row]
-        accepted = []
-        for frame in outbox:
-            if len(frame) <= tokens or tokens >= self._allowance:
-                accepted.append(frame)
-                tokens -= len(frame)
-        self._tokens[row] = min(tokens + self._allowance, self._allowance)
-        return accepted
 
     def _launch(
         self, tick: int, frames: list[bytes], senders: IntArray, luck: NDArray[np.float64] | None, links: LinkTable

@@ -12,6 +12,9 @@ from swarm_msgs_py.types import IntArray
 from swarm_sim.config import RangingConfig
 from swarm_sim.radio.links import LinkTable
 
+_NO_SCAN = RangeScan(np.zeros(0, dtype=np.int64), np.zeros(0))
+_NO_SCAN.neighbors.flags.writeable = _NO_SCAN.ranges.flags.writeable = False
+
 
 class Ranging:
     """The ranging radios of all robots; the mission computer's antenna does not range.
@@ -21,17 +24,20 @@ class Ranging:
     config : RangingConfig
     ids : (n,) int array
         Addresses of the robots, ascending.
+    period_s : float
+        Control period [s].
     seed : int
         Seed of the run.
     """
 
-    def __init__(self, config: RangingConfig, ids: IntArray, seed: int) -> None:
+    def __init__(self, config: RangingConfig, ids: IntArray, period_s: float, seed: int) -> None:
         self._config = config
+        self._every = max(1, round(config.period_s / period_s))
         self._ids = ids
         self._seed = seed
 
     def measure(self, tick: int, links: LinkTable) -> list[RangeScan]:
-        """Return one scan per robot.
+        """Return one scan per robot; all are empty in a tick in which no ranging is due.
 
         Parameters
         ----------
@@ -40,6 +46,8 @@ class Ranging:
             Links and distances of the radios now, robots first.
         """
         n = len(self._ids)
+        if tick % self._every:
+            return [_NO_SCAN] * n
         noise = rng_for(self._seed, "ranging", tick).normal(size=(n, n))
         # A range is a measured delay, so noise cannot make it negative.
         ranges = np.maximum(links.distances[:n, :n] + self._config.sigma_m * noise, 0.0)

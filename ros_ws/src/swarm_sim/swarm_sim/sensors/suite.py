@@ -33,7 +33,8 @@ class SensorSuite:
         robots = scene.robots
         self._imu = Imu(config.imu, len(robots), seed)
         self._fix = PositionSensor(config.fix, np.array([robot.has_position_sensor for robot in robots]), seed)
-        self._ranging = Ranging(config.ranging, np.array([robot.id for robot in robots], dtype=np.int64), seed)
+        ids = np.array([robot.id for robot in robots], dtype=np.int64)
+        self._ranging = Ranging(config.ranging, ids, config.period_s, seed)
         radii = np.array([robot.type.coverage_radius_m for robot in robots])
         self._proximity = Proximity(config.proximity, radii, obstacles, seed)
 

@@ -1,0 +1,146 @@
+"""Plans for the shape in force: for the whole roster at first, and for those who are left after losses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mission_computer.membership import Member
+from mission_computer.partition import GoalSet, PartitionConfig, adapt, partition
+from mission_computer.roster import Roster
+from mission_computer.shape import check_inside, load_shape
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.types import FloatArray, IntArray
+
+CORNERS = 8  # of the polygon around a lost robot's body
+
+
+class PlanMaker:
+    """Makes plans, and remembers the goals of the shape in force, so that plans for fewer robots keep most of them.
+
+    Parameters
+    ----------
+    config : PartitionConfig
+    roster : Roster
+        The robots that a shape is to be filled with.
+    obstacles : tuple of (m, 2) array
+        Polygons of the map [m].
+    bounds : tuple of float or None
+        Least x, least y, greatest x, greatest y of the arena [m]; None: no limits.
+    """
+
+    def __init__(
+        self,
+        config: PartitionConfig,
+        roster: Roster,
+        obstacles: tuple[FloatArray, ...],
+        bounds: tuple[float, float, float, float] | None,
+    ) -> None:
+        self._config = config
+        self._roster = roster
+        self._obstacles = obstacles
+        self._bounds = bounds
+        self._contour = np.empty((0, 2))
+        self._full = GoalSet(np.empty((0, 2)), np.empty(0, dtype=np.int64))
+        self._rows: dict[int, IntArray] = {}  # per epoch, the row in `_full` of each goal
+
+    def for_shape(self, epoch: int, shape: FloatArray, lost: Sequence[Member]) -> Plan:
+        """Return the first plan for a shape, computed on the numbers that the robots will see.
+
+        Raises
+        ------
+        ShapeError
+            If the shape cannot be used.
+        ConfigError
+            If no robot is left.
+        """
+        contour = load_shape(load_shape(shape).astype(np.float32).astype(np.float64))
+        if self._bounds is not None:
+            check_inside(contour, self._bounds, "ordered shape")
+        roster = self._roster.without(member.type for member in lost)
+        goals = partition(contour, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
+        self._contour, self._full = contour, goals
+        self._rows = {epoch: np.arange(len(goals.types))}
+        return self._plan(epoch, goals, lost)
+
+    def for_members(self, epoch: int, lost: Sequence[Member]) -> Plan:
+        """Return a plan for the shape in force and the robots that are not lost.
+
+        It is thinned out from the shape's first goals, so it depends on who is lost, not on the order of losses; when
+        all are back, the first goals are in force again. Goals stay where they are unless a lost robot's body is there.
+
+        Raises
+        ------
+        ShapeError
+            If what the bodies leave free is too small.
+        ConfigError
+            If no robot is left.
+        """
+        roster = self._roster.without(member.type for member in lost)
+        rows = self._kept_rows(roster, lost)
+        bodies = self._bodies(lost)
+        goals = None
+        if len(rows) == roster.size:
+            start = GoalSet(self._full.positions[rows], self._full.types[rows])
+            goals = adapt(start, self._contour, roster, self._obstacles + bodies, self._config)
+        if goals is None:
+            goals = partition(self._contour, roster, self._obstacles, self._config, keep_outs=bodies)
+            self._full, self._rows, rows = goals, {}, np.arange(roster.size)
+        self._rows[epoch] = rows
+        return self._plan(epoch, goals, lost)
+
+    def renumbered(self, plan: Plan, epoch: int) -> Plan:
+        """Return the same plan under another number."""
+        if plan.epoch in self._rows:
+            self._rows[epoch] = self._rows[plan.epoch]
+        return replace(plan, epoch=epoch)
+
+    def _plan(self, epoch: int, goals: GoalSet, lost: Sequence[Member]) -> Plan:
+        return Plan(epoch, self._contour, self._obstacles + self._bodies(lost), goals.positions, goals.types)
+
+    def _kept_rows(self, roster: Roster, lost: Sequence[Member]) -> IntArray:
+        """Return which of the first goals stay, ascending; too few of them if some type has more robots than before.
+
+        First to go are goals that a body covers, then those that lost robots had taken.
+        """
+        covered = self._is_covered(lost)
+        taken = np.zeros(len(self._full.types), dtype=bool)
+        for member in lost:
+            rows = self._rows.get(member.epoch)
+            if rows is not None and 0 <= member.goal < len(rows):
+                taken[rows[member.goal]] = True
+        order = np.lexsort((np.arange(len(taken)), taken, covered))
+        kept = [
+            row for group in roster.groups for row in order[self._full.types[order] == group.type][: group.count]
+        ]
+        return np.array(sorted(kept), dtype=np.int64)
+
+    def _is_covered(self, lost: Sequence[Member]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return for each of the first goals whether a lost robot's body is in its way."""
+        reaches = self._roster.radii_of(self._full.types) + self._config.gaps.obstacle_m
+        covered = np.zeros(len(reaches), dtype=bool)
+        for member in lost:
+            if member.position is not None:
+                distances = np.linalg.norm(self._full.positions - member.position, axis=1)
+                covered |= distances < reaches + self._radius(member)
+        return covered
+
+    def _bodies(self, lost: Sequence[Member]) -> tuple[FloatArray, ...]:
+        """Return a polygon around the body of each lost robot, wherever that is known."""
+        return tuple(
+            body_outline(member.position, self._radius(member)) for member in lost if member.position is not None
+        )
+
+    def _radius(self, member: Member) -> float:
+        return float(self._roster.radii_of(np.array([member.type]))[0])
+
+
+def body_outline(position: tuple[float, float], radius: float) -> FloatArray:
+    """Return the regular octagon that just holds a circle, (8, 2) counter-clockwise, in float32 precision [m]."""
+    angles = (np.arange(CORNERS) + 0.5) * (2.0 * np.pi / CORNERS)
+    reach = radius / np.cos(np.pi / CORNERS)
+    outline = np.array(position) + reach * np.column_stack([np.cos(angles), np.sin(angles)])
+    return outline.astype(np.float32).astype(np.float64)
+

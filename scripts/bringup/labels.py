@@ -1,0 +1,28 @@
+"""Names of nodes, as alerts and errors print them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from swarm_msgs_py.types import MISSION, NodeId, robot_name
+
+LISTED_MAX = 12  # nodes that are listed one by one
+
+
+def node_list(nodes: Sequence[NodeId]) -> str:
+    """Return the names of some nodes, as short as is still exact.
+
+    Many robots whose numbers are evenly spaced, as those of one process are, are told by the first, the last and the
+    step: ``r01 to r49 in steps of 2 (25 robots)``. All others are listed.
+
+    Parameters
+    ----------
+    nodes : sequence of NodeId
+        Ascending.
+    """
+    steps = {after - before for before, after in zip(nodes, nodes[1:], strict=False)}
+    if len(nodes) <= LISTED_MAX or len(steps) != 1 or nodes[-1] == MISSION:
+        return ", ".join("mission computer" if node == MISSION else robot_name(node) for node in nodes)
+    (step,) = steps
+    spacing = "" if step == 1 else f" in steps of {step}"
+    return f"{robot_name(nodes[0])} to {robot_name(nodes[-1])}{spacing} ({len(nodes)} robots)"
