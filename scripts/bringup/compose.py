@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from bringup.layout import make_scene, robot_types
+from bringup.layout import make_scene, rally_point, robot_types
 from bringup.resolution import contour_of
 from bringup.scenario import Scenario
 from mission_computer.config import MissionConfig
@@ -58,8 +58,9 @@ class ScenarioActors:
 
     @property
     def agent_config(self) -> AgentConfig:
-        """Settings of every robot."""
-        return self.scenario.agent
+        """Settings of every robot; it rallies at the mission computer unless the scenario says where."""
+        agent = self.scenario.agent
+        return replace(agent, decision=replace(agent.decision, rally_point_m=rally_point(self.scenario)))
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""
@@ -80,4 +81,4 @@ class ScenarioActors:
     def agent(self, robot: NodeId) -> Agent:
         """Make one robot's agent. It knows the map, as the operator loads it before the start, and no position."""
         kind = self.scene.robots[robot].type
-        return Agent(robot, self.scenario.agent, kind, self.period_s, self.scene.obstacles)
+        return Agent(robot, self.agent_config, kind, self.period_s, self.scene.obstacles)

@@ -33,8 +33,8 @@ def domain_of(environment: Mapping[str, str]) -> int:
 class DomainGuard:
     """Holds a domain by a name in the kernel's space of abstract sockets.
 
-    Such a name is no file: nothing is left over and nothing can be planted. All users of the machine share the names, as
-    they share its domains. The kernel drops a name with the last process that holds it, however that ends.
+    Such a name is no file: nothing is left over. All users of the machine share the names, as they share its domains.
+    The kernel drops a name with the last process that holds it, however that ends.
 
     Parameters
     ----------

@@ -11,7 +11,9 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Interruption:
-    """Turns the first SIGINT, SIGTERM or SIGHUP into one `KeyboardInterrupt`; use as a context manager in the main thread.
+    """Turns the first SIGINT, SIGTERM or SIGHUP into one `KeyboardInterrupt`.
+
+    Use as a context manager in the main thread.
 
     Outside `welcome` a signal is only noted, so that stopping and writing are never torn apart; a second signal adds
     nothing. Where SIGHUP is ignored, as under ``nohup``, it stays so.

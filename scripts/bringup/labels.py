@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
 
@@ -20,7 +21,7 @@ def node_list(nodes: Sequence[NodeId]) -> str:
     nodes : sequence of NodeId
         Ascending.
     """
-    steps = {after - before for before, after in zip(nodes, nodes[1:], strict=False)}
+    steps = {after - before for before, after in pairwise(nodes)}
     if len(nodes) <= LISTED_MAX or len(steps) != 1 or nodes[-1] == MISSION:
         return ", ".join("mission computer" if node == MISSION else robot_name(node) for node in nodes)
     (step,) = steps

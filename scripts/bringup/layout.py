@@ -14,12 +14,46 @@ from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 from swarm_sim.scene import RobotSpec, Scene, check_scene
 
+FENCE_M = 0.5  # thickness of the fence: farther than any robot is pushed into a wall
 BATCH, BATCHES = 20, 200  # 4000 points are tried for one robot: if one in a thousand is free, e^-4 of the cases fail
 
 
 def robot_types(scenario: Scenario) -> tuple[RobotType, ...]:
     """Return the type of each robot, in the order of robot ids."""
     return tuple(group.robot_type() for group in scenario.robots.types for _ in range(group.count))
+
+
+def rally_point(scenario: Scenario) -> tuple[float, float]:
+    """Return where a robot goes to hear a plan: where the scenario says, else to the mission computer [m]."""
+    return scenario.agent.decision.rally_point_m or scenario.mission.position_m
+
+
+def walls(scenario: Scenario) -> tuple[FloatArray, ...]:
+    """Return what nobody crosses in a resolved scenario: the obstacles of the map, then the fence around the arena.
+
+    The fence makes the bounds real for everybody who knows obstacles: bodies, proximity sensors, planners, the
+    partition and the displacement bound. It is no obstacle of the map, and no figure draws it.
+
+    Returns
+    -------
+    tuple of (k, 2) array
+        Simple polygons [m]; the last four are the fence, whose inner edges are the bounds.
+    """
+    bounds = scenario.map.bounds_m
+    assert bounds is not None  # a resolved scenario has its map written out
+    return (*(obstacle.polygon() for obstacle in scenario.map.obstacles), *_fence(bounds))
+
+
+def _fence(bounds: tuple[float, float, float, float]) -> tuple[FloatArray, ...]:
+    x_min, y_min, x_max, y_max = bounds
+    west, south, east, north = x_min - FENCE_M, y_min - FENCE_M, x_max + FENCE_M, y_max + FENCE_M
+    sides = (
+        (west, south, east, y_min),
+        (x_max, south, east, north),
+        (west, y_max, east, north),
+        (west, south, x_min, north),
+    )
+    return tuple(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]) for x0, y0, x1, y1 in sides)
 
 
 def make_scene(scenario: Scenario) -> Scene:
@@ -32,10 +66,11 @@ def make_scene(scenario: Scenario) -> Scene:
     """
     bounds = scenario.map.bounds_m
     assert bounds is not None  # a resolved scenario has its map written out
-    obstacles = tuple(obstacle.polygon() for obstacle in scenario.map.obstacles)
+    obstacles = walls(scenario)
     types = robot_types(scenario)
     explicit = scenario.robots.start.positions_m
     starts = np.array(explicit, dtype=np.float64) if explicit else _drawn(scenario, types, obstacles, bounds)
+    _check_edge(starts, types, bounds)
     sensors = _sensor_carriers(scenario)
     robots = tuple(
         RobotSpec(
@@ -52,6 +87,17 @@ def make_scene(scenario: Scenario) -> Scene:
     return scene
 
 
+def _check_edge(starts: FloatArray, types: tuple[RobotType, ...], bounds: tuple[float, float, float, float]) -> None:
+    """Refuse robots that would stand in the fence, in words that speak of the arena."""
+    for robot, (kind, (x, y)) in enumerate(zip(types, starts, strict=True)):
+        room = min(x - bounds[0], y - bounds[1], bounds[2] - x, bounds[3] - y)
+        if room < kind.coverage_radius_m:
+            raise ConfigError(
+                f"{robot_name(NodeId(robot))} starts at ({x:g}, {y:g}), outside the arena or against its edge; "
+                f"move it at least {kind.coverage_radius_m:g} m inside {list(bounds)}"
+            )
+
+
 def _drawn(
     scenario: Scenario,
     types: tuple[RobotType, ...],
@@ -60,8 +106,8 @@ def _drawn(
 ) -> FloatArray:
     """Return (n, 2) start points, uniform in the start square; large robots choose first, since they need most room."""
     start = scenario.robots.start
-    walls = shapely.union_all([shapely.Polygon(obstacle) for obstacle in obstacles])
-    shapely.prepare(walls)
+    solid = shapely.union_all([shapely.Polygon(obstacle) for obstacle in obstacles])
+    shapely.prepare(solid)
     radii = np.array([kind.coverage_radius_m for kind in types])
     points = np.full((len(types), 2), np.inf)
     for robot in np.lexsort((np.arange(len(types)), -radii)):
@@ -73,7 +119,7 @@ def _drawn(
             candidates = rng.uniform(low, high, (BATCH, 2))
             offsets = candidates[:, None] - points[None]
             is_free = (np.hypot(offsets[..., 0], offsets[..., 1]) - radii[None] >= keep_out).all(axis=1)
-            is_free &= ~shapely.dwithin(walls, shapely.points(candidates), keep_out)
+            is_free &= ~shapely.dwithin(solid, shapely.points(candidates), keep_out)
             if is_free.any():
                 points[robot] = candidates[np.argmax(is_free)]
                 break

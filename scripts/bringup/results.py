@@ -61,6 +61,10 @@ class FormationMetrics:
     """All keys of ``metrics.json`` of a formation run; None is a number that does not apply.
 
     The first group is common to all families, the second belongs to formation, the third is beyond the contract.
+
+    ``total_displacement_m`` counts every robot. ``displacement_lower_bound_m`` is what the robots that live at the end
+    needed at least to reach goals of the last plan from their start points; ``displacement_ratio`` divides the
+    displacement of the same robots by it. After a change of the shape, bound, ratio and ``bottleneck_time_s`` are None.
     """
 
     scenario: str
@@ -116,8 +120,9 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
     verdict, timing, plan = outcome.verdict, outcome.timing, outcome.supervisor.plan
     live = _live(trace)
     rest = _settling(scenario, trace, plan, live)
-    displacement = _displacement(trace, rest.time if rest else None)
-    bound, longest = _bound(scenario, trace, plan)
+    displacements = _displacements(trace, rest.time if rest else None)
+    # A shape that changed on the way cost more than the last one needs; there is no fair bound for it.
+    bound, longest = (None, None) if outcome.supervisor.has_changed_shape else _bound(scenario, trace, plan, live)
     quality = _quality(scenario, trace, plan, live)
     localization = _localization(scenario, trace)
     sim_time = len(trace.tick_times) * scenario.sim.period_s
@@ -136,7 +141,7 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         wall_time_s=timing.wall_time_s,
         real_time_factor=sim_time / timing.wall_time_s if timing.wall_time_s > 0.0 else None,
         startup_s=timing.startup_s,
-        total_displacement_m=displacement,
+        total_displacement_m=float(displacements.sum()),
         displacement_lower_bound_m=bound,
         settling_time_s=rest.time if rest else None,
         collisions=totals.contacts,
@@ -150,7 +155,7 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         mesh_topological=quality.topological if quality else None,
         mesh_geometrical=quality.geometrical if quality else None,
         goals_reached=outcome.supervisor.at_goal,
-        displacement_ratio=displacement / bound if bound else None,
+        displacement_ratio=float(displacements[live].sum()) / bound if bound else None,
         bottleneck_time_s=longest / scenario.agent.control.speed_max_m_s if longest is not None else None,
         inside_fraction=rest.inside_fraction if rest else None,
         speed_p90_m_s=rest.speed_p90 if rest else None,
@@ -195,18 +200,19 @@ def _settling(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndar
     )
 
 
-def _displacement(trace: Trace, settled: float | None) -> float:
-    """Return the total displacement from the start to settling, or to the end where nothing settled [m]."""
+def _displacements(trace: Trace, settled: float | None) -> FloatArray:
+    """Return how far each robot drove until settling, or to the end where nothing settled, (n,) [m]."""
     end = len(trace.sample_times) if settled is None else int(np.searchsorted(trace.sample_times, settled)) + 1
-    return float(path_lengths(trace.positions[:end], trace.sample_rate).sum())
+    return path_lengths(trace.positions[:end], trace.sample_rate)
 
 
-def _bound(scenario: Scenario, trace: Trace, plan: Plan | None) -> tuple[float | None, float | None]:
-    """Return the displacement bound and the longest path in it [m]."""
-    if plan is None or not len(trace.positions):
+def _bound(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarray) -> tuple[float | None, float | None]:
+    """Return the displacement bound of the robots that live, and the longest path in it [m]."""
+    if plan is None or not len(trace.positions) or not live.any():
         return None, None
     types = np.array([kind.type for kind in robot_types(scenario)], dtype=np.int64)
-    bound = displacement_bound(path_costs(scenario, trace.positions[0], plan), types, plan.goal_types)
+    costs = path_costs(scenario, trace.positions[0], plan)
+    bound = displacement_bound(costs[live], types[live], plan.goal_types)
     return (bound.total, bound.longest) if bound else (None, None)
 
 

@@ -89,7 +89,7 @@ class WorldSupervision(Supervision):
         self._shown = time.monotonic()
 
     def is_over(self) -> bool:
-        """Return whether the orchestrator has said stop, or is gone; asked several times per second while all is well."""
+        """Return whether the orchestrator has said stop, or is gone; asked several times per second."""
         now = time.monotonic()
         if now - self._shown >= ALIVE_INTERVAL_S:
             self._shown = now
@@ -170,7 +170,7 @@ class AgentHost:
     def __init__(self, link: Link, executor: Any, reporter: Reporter) -> None:
         self._link, self._executor, self._reporter = link, executor, reporter
         self._failed: list[NodeId] = []
-        self.nodes: dict[NodeId, AgentNode] = {}
+        self.nodes: dict[NodeId, Any] = {}
 
     def add(
         self, robot: NodeId, agent: AgentActor, period_s: float, config: Config, options: Mapping[str, Any]
@@ -189,7 +189,7 @@ class AgentHost:
         self.nodes[robot] = node
 
     def remove_failed(self) -> None:
-        """Destroy the nodes of robots that have failed. Not to be called from a callback, least of all one of theirs."""
+        """Destroy the nodes of robots that have failed; not to be called from a callback of theirs."""
         for robot in self._failed:
             node = self.nodes.pop(robot)
             self._executor.remove_node(node)

@@ -129,6 +129,9 @@ class SuccessSpec(Config):
     )
     hold_s: float = setting(3.0, "how long all must be at rest inside the shape", unit="s", minimum=0.0)
     goal_tolerance_m: float = setting(0.25, "largest distance of a robot from its goal", unit="m", above=0.0)
+    live_share_min: float = setting(
+        0.75, "share of the robots that must live; a shape with fewer is not the shape", minimum=0.0, maximum=1.0
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

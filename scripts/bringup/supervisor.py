@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +12,7 @@ import shapely
 from bringup.engine import TickRecord
 from bringup.scenario import SuccessSpec
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
 from swarm_sim.metrics.settling import settled_samples
 
@@ -53,6 +55,8 @@ class Supervisor:
         Goal that each robot last reported, -1 for none.
     at_goal : int
         Live robots within tolerance of their goal at the end of the last tick.
+    has_changed_shape : bool
+        Whether a plan was replaced by one with other goals; a plan that is only numbered anew is no change.
     """
 
     def __init__(self, robots: tuple[NodeId, ...], success: SuccessSpec, period_s: float, duration_s: float) -> None:
@@ -62,12 +66,13 @@ class Supervisor:
         self._duration = duration_s
         self._contour: shapely.Polygon | None = None
         self._settled_since: float | None = None
-        self._modes: dict[NodeId, Mode] = {}
+        self._reports: dict[NodeId, AgentReport] = {}
         self._distances: dict[NodeId, float] = {}
         self._lost: frozenset[NodeId] = frozenset()
         self.plan: Plan | None = None
         self.goals: dict[NodeId, int] = {}
         self.at_goal = 0
+        self.has_changed_shape = False
 
     def watch(self, record: TickRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
@@ -82,7 +87,7 @@ class Supervisor:
         held = end - self._settled_since if self._settled_since is not None else -1.0
         # Sample times are sums of fractions of a tick; a hold may fall short of itself by rounding.
         if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows):
-            return Verdict(True, f"shape formed: {self._tally()}, at rest since {self._settled_since:.1f} s")
+            return self._settled(len(rows))
         if end >= self._duration - 1e-9:
             return Verdict(False, f"time limit of {self._duration:g} s: {self._tally()}{self._shortfall()}")
         return None
@@ -91,12 +96,25 @@ class Supervisor:
         """Return the verdict of a run that the operator ended at `time` [s]."""
         return Verdict(False, f"interrupted by the operator at {time:.1f} s: {self._tally()}")
 
+    def unfinished(self, time: float) -> Verdict:
+        """Return the verdict that is on disk while the run goes on, at `time` [s]."""
+        return Verdict(False, f"still running at {time:.1f} s: {self._tally()}")
+
+    def _settled(self, live: int) -> Verdict:
+        """Return the verdict on a swarm that is at rest at its goals: were enough robots left to form the shape?"""
+        needed = math.ceil(self._success.live_share_min * len(self._robots) - 1e-9)
+        if live < needed:
+            too_few = f"only {live} of {len(self._robots)} robots live, {needed} must (success.live_share_min)"
+            return Verdict(False, f"{too_few}; {self._tally()}, at rest since {self._settled_since:.1f} s")
+        return Verdict(True, f"shape formed: {self._tally()}, at rest since {self._settled_since:.1f} s")
+
     def _take(self, record: TickRecord) -> None:
         dead = {robot for robot, alive in zip(self._robots, record.truth.alive, strict=True) if not alive}
         self._lost = record.lost | dead
         for robot, report in record.reports.items():
-            self.goals[robot], self._modes[robot] = report.goal, report.mode
+            self.goals[robot], self._reports[robot] = report.goal, report
         if record.plan is not None:
+            self.has_changed_shape |= self.plan is not None and not _have_same_goals(self.plan, record.plan)
             self.plan = record.plan
             self._contour = shapely.Polygon(record.plan.contour)
             shapely.prepare(self._contour)
@@ -135,13 +153,25 @@ class Supervisor:
         dead = f", {lost} lost" if lost else ""
         return f"{self.at_goal} of {len(self._robots) - lost} robots at their goals{dead}"
 
+    def _count(self, holds: Callable[[AgentReport], bool]) -> int:
+        """Return of how many live robots the last report `holds`."""
+        return sum(robot in self._reports and holds(self._reports[robot]) for robot in self._distances)
+
     def _shortfall(self) -> str:
         """Return who is not at the goal, and how far from it."""
         if self.plan is None:
             return "; no plan was made"
-        blind = sum(self._modes.get(robot, Mode.WAITING) is Mode.WAITING for robot in self._distances)
+        blind = self._count(lambda report: not np.isfinite(report.position).all())
         if blind:
             return f"; {blind} have no position (robots.position_sensor_share)"
+        silent = len(self._distances) - self._count(lambda _: True)
+        if silent:
+            return f"; {silent} never answered; see the alerts for why"
+        epoch = self.plan.epoch
+        deaf = self._count(lambda report: report.epoch < epoch)
+        if deaf:
+            why = "the mission computer is dead" if MISSION in self._lost else "out of radio range, or frames lost"
+            return f"; {deaf} never heard the plan ({why})"
         far = sorted(
             ((-d, robot) for robot, d in self._distances.items() if d > self._success.goal_tolerance_m),
         )
@@ -152,3 +182,7 @@ class Supervisor:
             for d, robot in far[:NAMED_MAX]
         )
         return f"; {named}{', ...' if len(far) > NAMED_MAX else ''}"
+
+
+def _have_same_goals(first: Plan, second: Plan) -> bool:
+    return np.array_equal(first.goals, second.goals) and np.array_equal(first.goal_types, second.goal_types)

@@ -13,7 +13,6 @@ from swarm_msgs_py.messages.report import AgentReport, MissionReport
 from swarm_msgs_py.types import NodeId
 from swarm_sim.simulation import TickTruth
 
-
 REASON_MAX = 300  # characters of an exception that an alert repeats
 
 

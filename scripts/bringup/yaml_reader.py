@@ -27,7 +27,7 @@ def parse_yaml(text: str) -> object:
         With line and column where they are known.
     """
     try:
-        return yaml.load(text, _Loader)  # noqa: S506 - derived from the safe loader
+        return yaml.load(text, _Loader)
     except _DuplicateKeyError as error:
         raise YamlTextError(str(error)) from None
     except RecursionError:
@@ -45,7 +45,7 @@ class _DuplicateKeyError(Exception):
 class _Loader(yaml.SafeLoader):
     """Safe loader that refuses a key that is told twice, where YAML 1.1 loaders silently keep the last."""
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[object, object]:  # noqa: FBT001, FBT002 - PyYAML's signature
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[object, object]:
         first_lines: dict[str, int] = {}
         for key, _ in node.value:
             if not isinstance(key, yaml.ScalarNode) or key.tag == MERGE_TAG:

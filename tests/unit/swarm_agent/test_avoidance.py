@@ -92,7 +92,7 @@ def antipodal(n: int) -> tuple[np.ndarray, np.ndarray]:
     return circle, -circle
 
 
-@pytest.mark.parametrize("n", [2, 3, 8, 14])
+@pytest.mark.parametrize("n", [2, 3, 8, 14, 24])
 def test_robots_that_swap_across_a_circle_all_arrive_without_touching(n: int) -> None:
     starts, goals = antipodal(n)
 

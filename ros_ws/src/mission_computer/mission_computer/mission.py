@@ -9,11 +9,11 @@ import numpy as np
 
 from mission_computer.config import MissionConfig
 from mission_computer.dissemination import Dissemination
-from mission_computer.partition import partition
+from mission_computer.membership import Membership, change_line
+from mission_computer.plan_making import PlanMaker
 from mission_computer.roster import Roster
-from mission_computer.shape import load_shape
 from swarm_msgs_py.body_codec import decode_body, encode_body
-from swarm_msgs_py.errors import FrameError, ShapeError
+from swarm_msgs_py.errors import FrameError, SwarmError
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest
 from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import MissionReport, Mode
@@ -43,8 +43,8 @@ class Mission:
         First shape to form [m].
     period_s : float
         Control period [s].
-    seed : int
-        Seed of the run, for partition methods that draw.
+    bounds : tuple of float or None
+        Least x, least y, greatest x, greatest y that a shape may reach [m]; None: no limits.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917 - collaborators and settings that the composition root provides
@@ -55,12 +55,11 @@ class Mission:
         obstacles: tuple[FloatArray, ...],
         shape: FloatArray,
         period_s: float,
-        seed: int,
+        bounds: tuple[float, float, float, float] | None = None,
     ) -> None:
         self._config = config
-        self._roster = roster
-        self._obstacles = obstacles
-        self._seed = seed
+        self._maker = PlanMaker(config.partition, roster, obstacles, bounds)
+        self._membership = Membership(config, [group.type for group in roster.groups])
         self._network = MeshNetwork(MISSION, network, period_s)
         self._dissemination = Dissemination(config)
         self._ordered: FloatArray | None = shape
@@ -73,10 +72,10 @@ class Mission:
     def step(self, inputs: MissionInputs) -> MissionOutputs:
         """Advance by one tick."""
         for delivery in self._network.receive(inputs.tick, inputs.inbox):
-            self._take(delivery)
-        self._watch_neighbors()
-        plan, notice = self._replan(inputs)
+            self._take(delivery, inputs.time)
         reachable = tuple(node for node in self._network.reachable if node != MISSION)
+        self._watch_mesh(reachable, inputs.time)
+        plan, notice = self._replan(inputs)
         if self._plan is not None and self._dissemination.is_due(inputs.time, reachable):
             self._network.flood(self._body)
         outbox = self._network.transmit(inputs.tick, self._presence())
@@ -86,7 +85,7 @@ class Mission:
     def _epoch(self) -> int:
         return 0 if self._plan is None else self._plan.epoch
 
-    def _take(self, delivery: Delivery) -> None:
+    def _take(self, delivery: Delivery, time: float) -> None:
         """Act on what another radio sent to this one; rows of costs concern only the robots."""
         try:
             body = decode_body(delivery.body)
@@ -95,13 +94,16 @@ class Mission:
             return
         if isinstance(body, Report):
             self._reports[body.robot] = body
+            self._membership.take_report(body, time)
             self._note_epoch(body.robot, body.epoch)
         elif isinstance(body, RowRequest) and self._plan is not None and body.epoch < self._plan.epoch:
             self._network.send(delivery.origin, self._body)
 
-    def _watch_neighbors(self) -> None:
-        """Read from the neighbors' hellos which plan they hold, which is sooner known than their reports."""
+    def _watch_mesh(self, reachable: tuple[NodeId, ...], time: float) -> None:
+        """Note who is there, and which plan the neighbors' hellos show, which is sooner known than their reports."""
+        self._membership.take_routes(reachable, time)
         for robot, presence in self._network.neighbors.items():
+            self._membership.take_presence(robot, presence, time)
             self._note_epoch(robot, presence.epoch)
 
     def _note_epoch(self, robot: NodeId, epoch: int) -> None:
@@ -115,33 +117,51 @@ class Mission:
             self._ordered = inputs.shape
         if self._ordered is not None:
             shape, self._ordered = self._ordered, None
-            try:
-                self._put_in_force(self._made_plan(shape), inputs.time)
-            except ShapeError as error:
-                kept = f"plan {self._epoch} stays in force" if self._plan is not None else "there is no plan yet"
-                notice = f"shape refused: {error}; {kept}"
-                _log.warning(notice)
-                return None, notice
-            return self._plan, ""
-        if self._plan is not None and self._newest_epoch > self._plan.epoch:
+            return self._plan_shape(shape, inputs.time)
+        if self._plan is None:
+            return None, ""
+        if self._newest_epoch > self._plan.epoch:
             # Robots hold a plan of an earlier life of this computer; only a higher number replaces it.
             notice = f"robots hold plan {self._newest_epoch} of an earlier mission computer; sending ours again"
-            self._put_in_force(replace(self._plan, epoch=self._newest_epoch + 1), inputs.time)
+            self._put_in_force(self._maker.renumbered(self._plan, self._next_epoch), inputs.time)
             return self._plan, notice
+        if self._membership.is_regrouping_due(inputs.time):
+            return self._plan_members(inputs.time)
         return None, ""
 
-    def _made_plan(self, shape: FloatArray) -> Plan:
-        """Return the plan for a shape, computed on the numbers that the robots will see.
+    def _plan_shape(self, shape: FloatArray, time: float) -> tuple[Plan | None, str]:
+        """Plan for a shape that was ordered; refuse one that cannot be used."""
+        try:
+            plan = self._maker.for_shape(self._next_epoch, shape, self._membership.lost(time))
+        except SwarmError as error:
+            return None, self._refusal(f"shape refused: {error}")
+        self._membership.account(time)
+        self._put_in_force(plan, time)
+        return self._plan, ""
 
-        Raises
-        ------
-        ShapeError
-            If the shape cannot be used.
-        """
-        contour = load_shape(load_shape(shape).astype(np.float32).astype(np.float64))
-        goals = partition(contour, self._roster, self._obstacles, self._config.partition, seed=self._seed)
-        epoch = max(self._newest_epoch, self._epoch) + 1
-        return Plan(epoch, contour, self._obstacles, goals.positions, goals.types)
+    def _plan_members(self, time: float) -> tuple[Plan | None, str]:
+        """Plan for those who are there now, so that nobody waits for the lost and no goal is where a body stands."""
+        lost = self._membership.lost(time)
+        change = change_line({member.robot for member in lost}, self._membership.accounted)
+        self._membership.account(time)
+        try:
+            plan = self._maker.for_members(self._next_epoch, lost)
+        except SwarmError as error:
+            return None, self._refusal(f"{change}, but there is no plan without: {error}")
+        self._put_in_force(plan, time)
+        notice = f"{change}; new plan for {len(plan.goals)} robots"
+        _log.warning(notice)
+        return self._plan, notice
+
+    @property
+    def _next_epoch(self) -> int:
+        return max(self._newest_epoch, self._epoch) + 1
+
+    def _refusal(self, cause: str) -> str:
+        kept = f"plan {self._epoch} stays in force" if self._plan is not None else "there is no plan yet"
+        notice = f"{cause}; {kept}"
+        _log.warning(notice)
+        return notice
 
     def _put_in_force(self, plan: Plan, time: float) -> None:
         self._body = encode_body(plan)

@@ -10,6 +10,7 @@ import numpy as np
 from mission_computer.partition.config import PartitionConfig
 from mission_computer.partition.domain import Domain, check_obstacles
 from mission_computer.partition.method import METHODS, PartitionMethod
+from mission_computer.partition.separation import FINAL_SWEEPS, Separator
 from mission_computer.roster import Roster
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.types import FloatArray, IntArray
@@ -70,11 +71,45 @@ def partition(
     """
     config = config or PartitionConfig()
     method = METHODS[config.method](config)
-    domain, types = _posed(shape, roster, obstacles, config, method)
+    check_obstacles(shape, obstacles)
+    domain, types = _posed(shape, roster, obstacles + keep_outs, config, method)
     centers = method.place(domain)
     if centers is None:
         raise ShapeError(_remedy(domain, roster, method))
     return GoalSet(centers, types)
+
+
+def adapt(
+    goals: GoalSet,
+    shape: FloatArray,
+    roster: Roster,
+    obstacles: tuple[FloatArray, ...] = (),
+    config: PartitionConfig | None = None,
+) -> GoalSet | None:
+    """Move given goals no farther than the shape and the obstacles make necessary; most stay exactly where they are.
+
+    Parameters
+    ----------
+    goals : GoalSet
+        Goals of an earlier shape, or of the same one with fewer obstacles.
+    shape, roster, config
+        As for `partition`.
+    obstacles : tuple of (m, 2) array
+        Polygons that goals stay clear of, wherever they are [m].
+
+    Returns
+    -------
+    GoalSet or None
+        Goals of the same types in the same order that keep all gaps; None if pushing does not get them apart, and the
+        shape is to be partitioned anew.
+    """
+    config = config or PartitionConfig()
+    domain = Domain(shape, obstacles, roster.radii_of(goals.types), config.gaps)
+    if any(region.is_empty for region in domain.regions):
+        return None
+    separator = Separator(domain)
+    centers = separator.apart(goals.positions, FINAL_SWEEPS)
+    return GoalSet(centers, goals.types) if separator.is_separated(centers) else None
 
 
 def check_fits(
@@ -92,6 +127,7 @@ def check_fits(
     """
     config = config or PartitionConfig()
     method = METHODS[config.method](config)
+    check_obstacles(shape, obstacles)
     domain, _ = _posed(shape, roster, obstacles, config, method)
     if not method.fits(domain):
         raise ShapeError(_remedy(domain, roster, method))
@@ -110,7 +146,6 @@ def _posed(
     """
     types = roster.interleaved_types()
     domain = Domain(shape, obstacles, roster.radii_of(types), config.gaps)
-    check_obstacles(domain)
     if method.fits(domain):
         return domain, types
     order = np.argsort(-domain.radii, kind="stable")
@@ -121,7 +156,7 @@ def _remedy(domain: Domain, roster: Roster, method: PartitionMethod) -> str:
     """Return the line for the operator when circles, largest first, do not fit."""
     bare = Domain(domain.contour, (), domain.radii, domain.gaps)
     if domain.obstacles and method.fits(bare):
-        return "obstacles beside the shape leave too little room for the robots; move the shape away or scale it up"
+        return "obstacles in or beside the shape leave too little room for the robots; move the shape away or scale it up"
     tight = [
         f"type {group.type} (radius {group.coverage_radius_m:g} m)"
         for group in roster.groups

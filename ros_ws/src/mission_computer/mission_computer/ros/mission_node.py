@@ -46,7 +46,6 @@ class MissionIdentity(Config):
 
     shape: str = setting("hw_2_square", "shape to form: library name, file or points")
     counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
-    seed: int = setting(0, "seed of the run", minimum=0)
     period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
 
     def __post_init__(self) -> None:
@@ -126,7 +125,7 @@ def _from_parameters(context: Context) -> MissionNode:
         reader.destroy_node()
     roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
     shape = load_shape(identity.shape)
-    mission = Mission(config, network, roster, (), shape, identity.period_s, identity.seed)
+    mission = Mission(config, network, roster, (), shape, identity.period_s)
     node = MissionNode(mission, identity.period_s, context=context)
     for settings in (identity, config, network):
         parameters.declare_config(node, settings)

@@ -17,7 +17,11 @@ class DecisionConfig(Config):
     rally_after_s: float = setting(
         6.0, "without a plan for this long, drive to the rally point to hear one", unit="s", minimum=0.0
     )
-    rally_point_m: tuple[float, float] = setting((0.0, 0.0), "where the mission computer's radio stands", unit="m")
+    rally_point_m: tuple[float, float] | None = setting(
+        None,
+        "where to hear a plan; in a scenario mission.position_m if not set, on a robot alone the origin",
+        unit="m",
+    )
     refresh_distance_m: float = setting(
         2.0,
         "a robot that has moved this far since its last cost row sends a new one when membership changes",

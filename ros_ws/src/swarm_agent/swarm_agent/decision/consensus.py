@@ -23,7 +23,7 @@ from swarm_msgs_py.types import IntArray, NodeId
 BUNDLE_SIZE = 1000
 """Bytes of cost rows in one packet (at least one row): about what a radio sends in a few hundredths of a second."""
 
-BUNDLES_PER_REQUEST, BUNDLES_PER_TICK = 4, 12
+BUNDLES_PER_REQUEST, BUNDLES_PER_TICK = 8, 16
 """Packets of rows that answer one request, and all requests of one tick; what is left waits for the next request."""
 
 

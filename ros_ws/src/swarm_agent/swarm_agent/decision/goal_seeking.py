@@ -59,7 +59,7 @@ class GoalSeeking:
         self._first_map = obstacles
         self._patience = round(config.patience_s / period_s)
         self._rally_after = round(config.rally_after_s / period_s)
-        self._rally_point = np.array(config.rally_point_m)
+        self._rally_point = np.array(config.rally_point_m or (0.0, 0.0))
         self._epoch = 0
         self._epoch_since = 0
         self._members: frozenset[NodeId] = frozenset()
