@@ -75,7 +75,7 @@ class ScenarioActors:
             self.scene.obstacles,
             contour_of(self.scenario),
             self.period_s,
-            self.scenario.seed,
+            self.scene.bounds,
         )
 
     def agent(self, robot: NodeId) -> Agent:

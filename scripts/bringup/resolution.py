@@ -9,21 +9,18 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import shapely
 
-from bringup.layout import make_scene, robot_types
+from bringup.cross_checks import check_margins, check_rally_point, check_reach, check_size, first_plan
+from bringup.layout import make_scene, robot_types, walls
 from bringup.scenario import MapSpec, Scenario, ShapeSpec
 from bringup.scenario_file import Origin
-from mission_computer.partition import check_fits
 from mission_computer.roster import Roster
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
-from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError, ShapeError
-from swarm_msgs_py.types import FloatArray, robot_name
+from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import Backend
-from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
 
 
@@ -39,17 +36,21 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     """
     with _blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
+        assert scenario.map.bounds_m is not None  # just resolved
+        check_size(scenario.map.bounds_m)
+    with _blamed(origin, "mission.partition.gaps"):
+        check_margins(scenario)
     with _blamed(origin, "shape"):
         contour = _contour(scenario.shape)
-        assert scenario.map.bounds_m is not None  # just resolved
         check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(scenario.shape)}'")
         _check_obstacles(contour, scenario)
-        obstacles = tuple(obstacle.polygon() for obstacle in scenario.map.obstacles)
-        roster = Roster.of(robot_types(scenario))
-        check_fits(contour, roster, obstacles, scenario.mission.partition, seed=scenario.seed)
+        plan = first_plan(scenario, contour, Roster.of(robot_types(scenario)), walls(scenario))
     with _blamed(origin, "robots"):
         scene = make_scene(scenario)
-        _check_reach(contour, scene, scenario)
+        check_reach(scenario, scene, plan)
+    is_elsewhere = scenario.agent.decision.rally_point_m is not None
+    with _blamed(origin, "agent.decision.rally_point_m" if is_elsewhere else "mission.position_m"):
+        check_rally_point(scenario, scene)
     with _blamed(origin, "sim"):
         # The world checks how its settings fit together when it is made; the light back end is made in no time.
         light = replace(scenario.sim, physics=replace(scenario.sim.physics, backend=Backend.MASSDAMPER))
@@ -94,22 +95,6 @@ def _resolved_map(spec: MapSpec) -> MapSpec:
     for obstacle in spec.obstacles:
         obstacle.polygon()
     return spec
-
-
-def _check_reach(contour: FloatArray, scene: Scene, scenario: Scenario) -> None:
-    """Refuse robots that no path leads into the shape."""
-    center = shapely.get_point(shapely.maximum_inscribed_circle(shapely.Polygon(contour)), 0)
-    target = np.array([[center.x, center.y]])
-    walled_off = []
-    for robot in scene.robots:
-        planner = planner_for(scene.obstacles, robot.type.coverage_radius_m, scenario.agent.planning)
-        if not np.isfinite(planner.costs(np.array(robot.position), target)).all():
-            walled_off.append(robot_name(robot.id))
-    if walled_off:
-        raise ConfigError(
-            f"no path leads from {', '.join(walled_off[:4])}{', ...' if len(walled_off) > 4 else ''} to the shape; "
-            "move the obstacles apart, or start elsewhere (another seed, start.half_side_m, start.positions_m)"
-        )
 
 
 def _check_obstacles(contour: FloatArray, scenario: Scenario) -> None:

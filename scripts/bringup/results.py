@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from bringup.layout import make_scene, robot_types
+from bringup.layout import make_scene, robot_types, walls
 from bringup.scenario import Scenario
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
@@ -172,11 +172,13 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
 def path_costs(scenario: Scenario, starts: FloatArray, plan: Plan) -> FloatArray:
     """Return the shortest obstacle-free path from each start to each goal, (n, g), inf where there is none [m].
 
-    Obstacles are grown by less than the robots' radius, so that no robot can do better.
+    Obstacles are grown by less than the robots' radius, so that no robot can do better. Bodies of lost robots, which
+    the plan has among its obstacles, were not there from the start and do not count.
     """
+    obstacles = walls(scenario)
     costs = np.full((len(starts), len(plan.goals)), np.inf)
     for robot, kind in enumerate(robot_types(scenario)):
-        planner = lower_bound_planner(plan.obstacles, kind.coverage_radius_m)
+        planner = lower_bound_planner(obstacles, kind.coverage_radius_m)
         mine = plan.goal_types == kind.type
         costs[robot, mine] = planner.costs(starts[robot], plan.goals[mine])
     return costs

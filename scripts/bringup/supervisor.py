@@ -56,7 +56,7 @@ class Supervisor:
     at_goal : int
         Live robots within tolerance of their goal at the end of the last tick.
     has_changed_shape : bool
-        Whether a plan was replaced by one with other goals; a plan that is only numbered anew is no change.
+        Whether a plan was replaced by one for another contour; new goals in the same contour, after losses, are none.
     """
 
     def __init__(self, robots: tuple[NodeId, ...], success: SuccessSpec, period_s: float, duration_s: float) -> None:
@@ -101,7 +101,7 @@ class Supervisor:
         return Verdict(False, f"still running at {time:.1f} s: {self._tally()}")
 
     def _settled(self, live: int) -> Verdict:
-        """Return the verdict on a swarm that is at rest at its goals: were enough robots left to form the shape?"""
+        """Return the verdict on a swarm that is at rest at its goals, which counts only if enough of it lives."""
         needed = math.ceil(self._success.live_share_min * len(self._robots) - 1e-9)
         if live < needed:
             too_few = f"only {live} of {len(self._robots)} robots live, {needed} must (success.live_share_min)"
@@ -114,7 +114,9 @@ class Supervisor:
         for robot, report in record.reports.items():
             self.goals[robot], self._reports[robot] = report.goal, report
         if record.plan is not None:
-            self.has_changed_shape |= self.plan is not None and not _have_same_goals(self.plan, record.plan)
+            self.has_changed_shape |= self.plan is not None and not np.array_equal(
+                self.plan.contour, record.plan.contour
+            )
             self.plan = record.plan
             self._contour = shapely.Polygon(record.plan.contour)
             shapely.prepare(self._contour)
@@ -182,7 +184,3 @@ class Supervisor:
             for d, robot in far[:NAMED_MAX]
         )
         return f"; {named}{', ...' if len(far) > NAMED_MAX else ''}"
-
-
-def _have_same_goals(first: Plan, second: Plan) -> bool:
-    return np.array_equal(first.goals, second.goals) and np.array_equal(first.goal_types, second.goal_types)

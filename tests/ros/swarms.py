@@ -58,7 +58,7 @@ class SmallSwarm:
 
     def mission(self) -> Mission:
         roster = Roster.of([SMALL] * self.count)
-        return Mission(self.mission_config, NetworkConfig(), roster, (), SQUARE, PERIOD, SEED)
+        return Mission(self.mission_config, NetworkConfig(), roster, (), SQUARE, PERIOD)
 
     def agent(self, robot: NodeId) -> Agent:
         return Agent(robot, self.agent_config, SMALL, PERIOD)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import tempfile
 import time
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
 import pytest
+from leftovers import SHARED_MEMORY, is_running, orphaned, shared_memory
 from swarms import SmallSwarm
 
 from bringup.domain_guard import DomainGuard
@@ -20,7 +22,6 @@ from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.environment import use_loopback
 from swarm_msgs_py.types import MISSION, NodeId
 
-SHARED_MEMORY = Path("/dev/shm")
 STOP_DEADLINE_S = 3.0
 
 
@@ -30,11 +31,18 @@ def own_domain(domain_id: int) -> int:
 
 
 @pytest.fixture
-def nothing_left() -> Iterator[None]:
-    """Fail if a child of this process, or a file of a ROS domain's lock, outlives the test."""
+def nothing_left(own_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Fail if a child, a temporary file, a file in shared memory or a taken ROS domain outlives the test."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    before = shared_memory()
     yield
     with pytest.raises(ChildProcessError):
         os.waitpid(-1, os.WNOHANG)
+    assert list(tmp_path.iterdir()) == []
+    assert orphaned(shared_memory() - before) == set()
+    guard = DomainGuard(own_domain)
+    guard.acquire()
+    guard.release()
 
 
 def engine_of(count: int, per_process: int) -> RosEngine:
@@ -147,7 +155,7 @@ def test_no_shared_memory_file_is_made_so_none_can_be_left_after_a_kill() -> Non
 
 
 @pytest.mark.usefixtures("nothing_left")
-def test_children_die_with_a_parent_that_is_killed_and_its_domain_is_free_again(own_domain: int) -> None:
+def test_children_die_with_a_parent_that_is_killed_and_its_domain_is_free_again() -> None:
     reading, writing = os.pipe()
     parent = os.fork()
     if parent == 0:
@@ -169,16 +177,6 @@ def test_children_die_with_a_parent_that_is_killed_and_its_domain_is_free_again(
         os.sched_yield()
     assert len(pids) == 4
     assert not any(is_running(pid) for pid in pids)
-    guard = DomainGuard(own_domain)
-    guard.acquire()
-    guard.release()
-
-
-def is_running(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (FileNotFoundError, ProcessLookupError):
-        return False
 
 
 @pytest.mark.usefixtures("nothing_left")

@@ -5,7 +5,6 @@ from mesh_irregularity import mesh_irregularity
 from mission_computer.partition.bubble_packing import BubblePacking
 from mission_computer.partition.config import BubbleConfig, BubbleLaw, Gaps
 from mission_computer.partition.domain import Domain
-from mission_computer.partition.separation import Separator
 from mission_computer.shape import load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.types import FloatArray
@@ -19,8 +18,8 @@ def domain_of(shape: str | FloatArray) -> Domain:
     return Domain(contour, (), ROSTER.radii_of(ROSTER.interleaved_types()), Gaps())
 
 
-def packed(domain: Domain, start: FloatArray | None = None, **settings: object) -> FloatArray:
-    centers = BubblePacking(BubbleConfig(**settings)).place(domain, start)
+def packed(domain: Domain, **settings: object) -> FloatArray:
+    centers = BubblePacking(BubbleConfig(**settings)).place(domain)
     assert centers is not None
     return centers
 
@@ -76,25 +75,6 @@ def test_a_share_of_the_radius_in_the_range_evens_the_free_gaps() -> None:
         return float(nearest_six.std() / nearest_six.mean())
 
     assert gap_variation(0.25) < gap_variation(0.0)
-
-
-def test_a_warm_start_stays_near_where_it_was() -> None:
-    before = packed(domain_of("formation_3"))
-    grown = domain_of(load_shape("formation_3", scale=1.02))
-
-    after = packed(grown, start=before)
-
-    assert np.linalg.norm(after - before, axis=1).max() < 0.5 * grown.spacing
-
-
-def test_a_start_in_one_heap_is_untangled() -> None:
-    square = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]])
-    domain = Domain(square, (), np.full(4, 0.5), Gaps())
-
-    centers = packed(domain, start=np.full((4, 2), -9.0))
-
-    assert Separator(domain).is_separated(centers)
-    assert ((centers > 0.5) & (centers < 5.5)).all()
 
 
 def test_the_law_of_the_thesis_leaves_the_rim_emptier_than_the_scaled_one() -> None:

@@ -18,6 +18,7 @@ from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import EVERYONE, MISSION, FloatArray, NodeId
 
 PERIOD = 0.5
+BOUNDS = (-30.0, -30.0, 30.0, 30.0)
 SQUARE = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0]])
 WALL = np.array([[10.1, 0.0], [11.0, 0.0], [11.0, 3.0]])
 ROSTER = Roster.of([*THESIS_TYPES, THESIS_TYPES[0]])
@@ -72,7 +73,7 @@ class Air:
 
 
 def make_mission(shape: FloatArray = SQUARE) -> Mission:
-    return Mission(MissionConfig(), NetworkConfig(), ROSTER, (WALL,), shape, PERIOD, seed=1)
+    return Mission(MissionConfig(), NetworkConfig(), ROSTER, (WALL,), shape, PERIOD, BOUNDS)
 
 
 def test_the_first_step_plans_the_first_shape() -> None:
@@ -165,6 +166,7 @@ BAD_SHAPES = {
     "crossing": (SQUARE[[0, 2, 1, 3]], "crosses or touches itself at"),
     "over the wall": (SQUARE + np.array([8.0, 0.0]), r"obstacle 1 at \(10\.7, 1\.0\) covers"),
     "not finite": (SQUARE + np.array([0.0, np.nan]), "must be a finite number"),
+    "outside": (SQUARE + np.array([24.5, 0.0]), r"vertex \(30\.5, [06]\) is 0\.5 m outside the arena"),
     "empty": (np.empty((0, 2)), "at least 3"),
 }
 

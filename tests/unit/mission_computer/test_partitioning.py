@@ -112,5 +112,5 @@ def test_obstacles_that_leave_no_room_are_to_blame() -> None:
     config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
 
     check_fits(square, roster, (), config)
-    with pytest.raises(ShapeError, match="obstacles beside the shape leave too little room"):
+    with pytest.raises(ShapeError, match="obstacles in or beside the shape leave too little room"):
         check_fits(square, roster, (wall,), config)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from swarm_agent.decision.config import DecisionConfig
-from swarm_agent.decision.consensus import Consensus
-from swarm_msgs_py.body_codec import encode_body
-from swarm_msgs_py.messages.bodies import Plan
+from swarm_agent.decision.consensus import BUNDLE_SIZE, BUNDLES_PER_REQUEST, BUNDLES_PER_TICK, Consensus
+from swarm_msgs_py.body_codec import decode_body, encode_body
+from swarm_msgs_py.messages.bodies import EPOCH_LEAP_MAX, VERSION_LEAP_MAX, CostRow, Plan, RowBundle, RowRequest
 from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -19,12 +19,12 @@ from swarm_msgs_py.types import NodeId
 
 PERIOD = 0.5
 REST = np.zeros(2)
+SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
 CHAIN = [(i, i + 1) for i in range(7)]
 
 
 def make_plan(robots: int, epoch: int = 1) -> Plan:
-    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    return Plan(epoch, square, (), np.zeros((robots, 2)), np.ones(robots, dtype=np.int64))
+    return Plan(epoch, SQUARE, (), np.zeros((robots, 2)), np.ones(robots, dtype=np.int64))
 
 
 class Room:
@@ -147,3 +147,159 @@ def test_a_body_that_is_not_a_record_is_ignored() -> None:
     mind.receive(0, [Delivery(NodeId(1), b"\xff\x00nonsense")], mesh)
 
     assert mind.plan is None
+
+
+def make_row(robot: int, goals: int, version: int = 1, epoch: int = 1) -> CostRow:
+    return CostRow(epoch, NodeId(robot), 1, version, np.full(goals, robot))
+
+
+def presence(epoch: int) -> Presence:
+    return Presence(REST, REST, 0.1, 1, True, int(Mode.UNASSIGNED), epoch, 0)
+
+
+class Recorder(MeshNetwork):
+    """A mesh with a route to everybody that only notes what it is to carry."""
+
+    def __init__(self) -> None:
+        super().__init__(NodeId(0), NetworkConfig(), PERIOD)
+        self.carried: list[tuple[NodeId, bytes]] = []
+
+    def send(self, destination: NodeId, body: bytes) -> bool:
+        self.carried.append((destination, body))
+        return True
+
+
+def answers(mind: Consensus, tick: int, *requests: RowRequest) -> list[tuple[NodeId, bytes]]:
+    """Return the packets, asker and body, that answer the requests of robots 1, 2, ... in one tick."""
+    mesh = Recorder()
+    mind.receive(tick, [Delivery(NodeId(k), encode_body(r)) for k, r in enumerate(requests, start=1)], mesh)
+    return mesh.carried
+
+
+def make_mind(rows: int, goals: int) -> Consensus:
+    mind = Consensus(NodeId(0), 1, DecisionConfig(), PERIOD)
+    tell(mind, make_plan(goals), *(make_row(robot, goals) for robot in range(rows)))
+    return mind
+
+
+def tell(mind: Consensus, *records: Plan | CostRow | RowBundle) -> None:
+    mind.receive(0, [Delivery(NodeId(9), encode_body(record)) for record in records], Recorder())
+
+
+def rows_of(bodies: Iterable[bytes]) -> list[int]:
+    bundles = [body for body in map(decode_body, bodies) if isinstance(body, RowBundle)]
+    return [row.robot for bundle in bundles for row in bundle.rows]
+
+
+def test_rows_are_answered_in_packets_of_bounded_size_and_number() -> None:
+    mind = make_mind(rows=500, goals=150)  # 155 KB of rows: more than a frame can carry
+
+    bodies = [body for _, body in answers(mind, 1, RowRequest(1, ()))]
+
+    assert len(bodies) == BUNDLES_PER_REQUEST
+    assert all(len(body) <= BUNDLE_SIZE + 3 for body in bodies)
+    assert len(set(rows_of(bodies))) == 3 * BUNDLES_PER_REQUEST
+
+
+def test_a_row_longer_than_a_packet_of_rows_travels_alone() -> None:
+    mind = make_mind(rows=3, goals=2000)
+
+    bodies = [body for _, body in answers(mind, 0, RowRequest(1, ()))]
+
+    assert rows_of(bodies) == [0, 1, 2]
+    assert len(bodies) == 3
+
+
+def test_all_requests_of_a_tick_together_are_answered_with_a_bounded_number_of_packets() -> None:
+    mind = make_mind(rows=500, goals=150)
+
+    carried = answers(mind, 1, *[RowRequest(1, ())] * 5)
+    again = answers(mind, 2, RowRequest(1, ()))
+
+    assert len(carried) == BUNDLES_PER_TICK
+    assert {asker for asker, _ in carried} == {1, 2}
+    assert len(again) == BUNDLES_PER_REQUEST
+
+
+def test_who_keeps_asking_gets_every_row_even_behind_rows_that_it_cannot_take() -> None:
+    mind = make_mind(rows=300, goals=150)
+    got: set[int] = set()
+    for tick in range(0, 400, 3):
+        # Rows below 100 are refused by the asker each time; the others it holds from then on.
+        held = tuple((NodeId(robot), 1) for robot in sorted(got) if robot >= 100)
+        got |= set(rows_of(body for _, body in answers(mind, tick, RowRequest(1, held))))
+
+    assert got == set(range(300))
+
+
+def test_a_large_swarm_is_repaired_in_several_requests() -> None:
+    room = Room(2, [(0, 1)])
+    plan = make_plan(150)
+    for robot in range(2):
+        room.hand_over(robot, plan)
+    rows = [Delivery(NodeId(9), encode_body(make_row(robot, 150))) for robot in range(2, 150)]
+    room.minds[0].receive(0, rows, Recorder())
+
+    room.run(40.0)
+
+    assert room.rows == [150, 150]
+    assert len(room.digests) == 1
+
+
+@pytest.mark.parametrize("epoch", [0, EPOCH_LEAP_MAX + 2, 2**31, 2**32 - 1])
+def test_a_plan_with_an_absurd_number_is_ignored_and_does_not_shut_out_the_next(epoch: int) -> None:
+    mind = make_mind(rows=2, goals=2)
+
+    tell(mind, make_plan(2, epoch))
+    assert (mind.book.epoch, len(mind.book)) == (1, 2)
+    tell(mind, make_plan(2, 2))
+
+    assert mind.book.epoch == 2
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        Plan(2, SQUARE, (), np.zeros((0, 2)), np.zeros(0, dtype=np.int64)),
+        Plan(2, SQUARE, (SQUARE, np.zeros((0, 2))), np.zeros((1, 2)), np.ones(1, dtype=np.int64)),
+    ],
+    ids=["no goals", "an obstacle without corners"],
+)
+def test_a_plan_that_nobody_can_follow_is_ignored(plan: Plan) -> None:
+    mind = make_mind(rows=2, goals=2)
+
+    tell(mind, plan)
+
+    assert mind.book.epoch == 1
+
+
+def test_an_absurd_version_does_not_shut_out_a_robot_s_real_rows() -> None:
+    mind = make_mind(rows=2, goals=2)
+
+    tell(mind, RowBundle((make_row(1, 2, version=VERSION_LEAP_MAX + 2), make_row(1, 2, version=65535))))
+    assert mind.book.version_of(NodeId(1)) == 1
+    tell(mind, make_row(1, 2, version=2))
+
+    assert mind.book.version_of(NodeId(1)) == 2
+
+
+def test_rows_without_a_plan_are_ignored() -> None:
+    mind = Consensus(NodeId(0), 1, DecisionConfig(), PERIOD)
+
+    tell(mind, make_row(1, 0, epoch=0), make_row(1, 2))
+
+    assert (len(mind.book), mind.book.digest) == (0, 0)
+
+
+def test_nobody_is_asked_for_a_plan_with_an_absurd_number() -> None:
+    mind, mesh = make_mind(rows=2, goals=2), Recorder()
+    boaster = MeshNetwork(NodeId(1), NetworkConfig(), PERIOD)
+    mesh.receive(20, boaster.transmit(0, presence(2**32 - 1)))
+    mesh.receive(30, boaster.transmit(0, presence(2**32 - 1)))
+
+    mind.repair(30, mesh)
+    assert mesh.carried == []
+    mesh.receive(31, boaster.transmit(0, presence(2)))
+    mind.repair(31, mesh)
+
+    assert [asked for asked, _ in mesh.carried] == [1]

@@ -131,7 +131,7 @@ def test_broken_link_makes_every_route_through_it_infinite_with_the_next_odd_num
     assert table.route(D) == Route(D, NodeId(-1), GONE, 101)
     assert table.route(E) == Route(E, NodeId(-1), GONE, 433)
     assert table.reachable == (A,)
-    assert said(table, 2) == {B: (0, 2), D: (GONE, 101), E: (GONE, 433)}
+    assert said(table, 2) == {B: (0, 0), D: (GONE, 101), E: (GONE, 433)}
 
 
 def test_break_is_believed_from_the_next_hop_and_passed_on_at_once() -> None:

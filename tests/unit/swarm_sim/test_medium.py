@@ -57,21 +57,96 @@ def test_traffic_is_counted() -> None:
     assert traffic.peak_bps == 150 * 8 / 0.5
 
 
-def test_frames_beyond_the_budget_are_dropped_and_counted() -> None:
+def arrivals(medium: Medium, outboxes: Sequence[Outboxes], ticks: int, radio: int = 1) -> list[tuple[bytes, ...]]:
+    """Return what one radio hears tick by tick, while the outboxes are handed over one per tick, then none."""
+    heard = []
+    for tick in range(ticks):
+        medium.transmit(tick, outboxes[tick] if tick < len(outboxes) else {}, ALL_LINKED)
+        heard.append(medium.collect(tick + 1, ALIVE)[radio])
+    return heard
+
+
+def test_what_a_tick_has_no_time_for_goes_on_in_the_next_in_order() -> None:
     medium = make_medium(budget_bps=1600.0)  # 100 bytes per tick of 0.5 s
+    first, second, third, later = b"1" * 60, b"2" * 60, b"3" * 40, b"4" * 50
 
-    traffic = medium.transmit(0, {A: (b"1" * 60, b"2" * 60, b"3" * 40), B: (b"x" * 100,)}, ALL_LINKED)
+    heard = arrivals(medium, [{A: (first, second, third)}, {A: (later,)}], 4)
 
-    assert (traffic.frames, traffic.dropped) == (3, 1)
-    assert traffic.peak_bps == 1600.0
-    assert medium.collect(1, ALIVE)[2] == (b"1" * 60, b"3" * 40, b"x" * 100)
+    assert heard == [(first,), (second, third), (later,), ()]  # 60; 40 + 20 and 40 of 160; 10 and 40 of the last
 
 
-def test_a_frame_longer_than_a_tick_s_allowance_is_paid_for_in_the_following_ticks() -> None:
+def test_a_frame_longer_than_a_tick_gets_through_behind_a_hello_in_every_tick() -> None:
     medium = make_medium(budget_bps=1600.0)
-    sizes = [medium.transmit(tick, {A: (b"x" * 250,)}, ALL_LINKED).bytes for tick in range(7)]
+    hello, plan = b"h" * 40, b"p" * 250
 
-    assert sizes == [250, 0, 0, 250, 0, 0, 250]  # 250 bytes take two and a half ticks
+    heard = arrivals(medium, [{A: (hello, plan)}, *[{A: (hello,)}] * 20], 30)
+
+    assert heard[:3] == [(hello,), (), (plan,)]  # 290 bytes take three ticks
+    assert sum(frames.count(hello) for frames in heard) == 21
+    assert all(len(b"".join(frames)) <= 350 for frames in heard)
+
+
+def test_a_frame_is_heard_by_whom_the_sender_reaches_when_it_is_complete() -> None:
+    medium = make_medium(budget_bps=1600.0)
+    nobody = LinkTable(np.zeros((4, 4), dtype=np.bool_), np.ones((4, 4)))
+    medium.transmit(0, {A: (b"x" * 150,)}, nobody)
+
+    assert medium.collect(1, ALIVE) == [(), (), (), ()]
+    medium.transmit(1, {}, ALL_LINKED)
+    assert medium.collect(2, ALIVE) == [(), (b"x" * 150,), (b"x" * 150,), (b"x" * 150,)]
+
+
+def test_bytes_and_peak_tell_what_was_on_the_air_in_each_tick() -> None:
+    medium = make_medium(budget_bps=1600.0)
+    traffic = [medium.transmit(tick, {A: (b"x" * 250,)} if tick == 0 else {}, ALL_LINKED) for tick in range(4)]
+
+    assert [t.bytes for t in traffic] == [100, 100, 50, 0]
+    assert [t.frames for t in traffic] == [0, 0, 1, 0]
+    assert [t.peak_bps for t in traffic] == [1600.0, 1600.0, 800.0, 0.0]
+
+
+def test_a_rate_of_no_whole_number_of_bytes_per_tick_is_kept_on_average() -> None:
+    medium = make_medium(budget_bps=100.0, queue_s=60.0)  # 6.25 bytes per tick
+    sizes = [medium.transmit(tick, {A: (b"x" * 10,)}, ALL_LINKED).bytes for tick in range(40)]
+
+    assert sum(sizes) == 250
+    assert set(sizes) == {6, 7}
+
+
+def test_frames_that_would_wait_too_long_are_dropped_and_counted_once() -> None:
+    medium = make_medium(budget_bps=1600.0, queue_s=1.0)  # 100 bytes per tick; 200 may wait at its end
+    sent = [bytes([k]) * 60 for k in range(20)]
+
+    dropped, heard = [], []
+    for tick in range(6):
+        dropped.append(medium.transmit(tick, {A: sent} if tick == 0 else {}, ALL_LINKED).dropped)
+        heard += medium.collect(tick + 1, ALIVE)[1]
+
+    assert heard == sent[:6]  # 300 bytes stand before the sixth, 360 would stand before the seventh
+    assert dropped == [14, 0, 0, 0, 0, 0]
+
+
+def test_an_overloaded_radio_keeps_its_rate_and_never_lags_more_than_the_queue() -> None:
+    medium = make_medium(budget_bps=1600.0, queue_s=1.0)
+    lags, sizes = [], []
+    for tick in range(50):
+        sizes.append(medium.transmit(tick, {A: [bytes([tick]) * 70] * 3}, ALL_LINKED).bytes)
+        lags += [tick - frame[0] for frame in medium.collect(tick + 1, ALIVE)[1]]
+
+    assert set(sizes) == {100}
+    assert max(lags) <= 3
+
+
+def test_a_radio_that_died_does_not_finish_what_it_began() -> None:
+    medium = make_medium(budget_bps=1600.0)
+    medium.transmit(0, {A: (b"x" * 150, b"y"), B: (b"z" * 150,)}, ALL_LINKED)
+    medium.collect(1, ALIVE)
+
+    medium.silence(A)
+    traffic = medium.transmit(1, {}, ALL_LINKED)
+
+    assert (traffic.frames, traffic.bytes, traffic.dropped) == (1, 50, 2)
+    assert medium.collect(2, ALIVE)[2] == (b"z" * 150,)
 
 
 def test_unspent_budget_is_not_saved_up() -> None:

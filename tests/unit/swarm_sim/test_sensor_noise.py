@@ -85,7 +85,7 @@ TRIANGLE = links([[0, 1, 0], [1, 0, 1], [0, 1, 0]], [[0, 10, 30], [10, 0, 20], [
 
 
 def test_ranges_exist_between_direct_neighbors_only() -> None:
-    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([3, 5, 9]), seed=1).measure(0, TRIANGLE)
+    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([3, 5, 9]), 0.5, seed=1).measure(0, TRIANGLE)
 
     assert [scan.neighbors.tolist() for scan in scans] == [[5], [3, 9], [5]]
     assert [scan.ranges.tolist() for scan in scans] == [[10.0], [10.0, 20.0], [20.0]]
@@ -94,13 +94,13 @@ def test_ranges_exist_between_direct_neighbors_only() -> None:
 def test_the_antenna_of_the_mission_computer_does_not_range() -> None:
     with_antenna = links([[0, 1, 1], [1, 0, 1], [1, 1, 0]], [[0, 10, 5], [10, 0, 5], [5, 5, 0]])
 
-    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([0, 1]), seed=1).measure(0, with_antenna)
+    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([0, 1]), 0.5, seed=1).measure(0, with_antenna)
 
     assert [scan.neighbors.tolist() for scan in scans] == [[1], [0]]
 
 
 def test_range_noise_is_white_independent_both_ways_and_never_makes_a_range_negative() -> None:
-    ranging = Ranging(RangingConfig(sigma_m=2.0), np.array([0, 1, 2]), seed=1)
+    ranging = Ranging(RangingConfig(sigma_m=2.0, period_s=0.0), np.array([0, 1, 2]), 0.5, seed=1)
     near = links([[0, 1, 0], [1, 0, 0], [0, 0, 0]], [[0, 0.5, 9], [0.5, 0, 9], [9, 9, 0]])
 
     record = np.array([[scan.ranges[0] for scan in ranging.measure(k, TRIANGLE)] for k in range(TICKS)])
@@ -110,6 +110,20 @@ def test_range_noise_is_white_independent_both_ways_and_never_makes_a_range_nega
     assert_allclose(record.mean(axis=0), [10.0, 10.0, 20.0], atol=0.2)
     assert abs(np.corrcoef(record.T)[0, 1]) < 0.1
     assert close.min() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("period_s", "due"),
+    [(3.0, [0, 6, 12]), (1.0, [0, 2, 4, 6, 8, 10, 12]), (0.5, list(range(13))), (0.0, list(range(13)))],
+)
+def test_robots_range_once_per_period_and_have_empty_scans_between(period_s: float, due: list[int]) -> None:
+    ranging = Ranging(RangingConfig(period_s=period_s), np.array([0, 1, 2]), 0.5, seed=1)
+
+    scans = [ranging.measure(tick, TRIANGLE) for tick in range(13)]
+
+    assert [tick for tick in range(13) if scans[tick][1].neighbors.tolist() == [0, 2]] == due
+    assert all(not len(s.neighbors) and not len(s.ranges) for k in set(range(13)) - set(due) for s in scans[k])
+    assert all(s.neighbors.dtype == np.int64 and s.ranges.dtype == np.float64 for scan in scans for s in scan)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -144,6 +144,16 @@ def test_a_dead_robot_neither_hears_nor_speaks_nor_moves_but_its_body_stays() ->
     assert np.abs(seen - gap_to_body).min() < 0.05
 
 
+def test_a_robot_that_dies_does_not_finish_its_transmission() -> None:
+    sim = make_simulation(radio=RadioConfig(budget_bps=1600.0))  # 100 bytes per tick
+    sim.apply({}, {robot: (b"%d" % robot * 150,) for robot in sim.robots})
+    sim.advance()
+    sim.kill(NodeId(1))
+    sim.advance()  # also without answers, transmissions go on
+
+    assert sim.observe().mission.inbox == (b"0" * 150, b"2" * 150)
+
+
 def test_death_within_a_tick_takes_effect_at_once() -> None:
     sim = make_simulation()
     sim.observe()

@@ -42,9 +42,9 @@ class Member:
 class Membership:
     """A timeout failure detector over everything that reaches the mission computer.
 
-    A robot is *expected* until it is first heard, then *present*, and *lost* after a silence of `lost_after_s`, in which
+    A robot is *expected* until it is first heard, then *present*, and *lost* after a silence of `lost_after_s` in which
     the mesh had no route to it either. A lost robot that is heard again is present at once. Silence proves nothing: a
-    lost robot may be alive beyond the reach of the mesh, so whatever is done about a loss must be undone on its return.
+    lost robot may be alive beyond the reach of the mesh, so what is done about a loss is undone on its return.
 
     Parameters
     ----------

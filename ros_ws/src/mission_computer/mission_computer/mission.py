@@ -14,15 +14,13 @@ from mission_computer.plan_making import PlanMaker
 from mission_computer.roster import Roster
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError, SwarmError
-from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest
+from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epoch
 from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import MissionReport, Mode
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
-
-EPOCH_MAX = 2**31  # an epoch beyond this was not counted up to by any mission computer: it is noise
 
 _log = logging.getLogger(__name__)
 
@@ -108,8 +106,8 @@ class Mission:
 
     def _note_epoch(self, robot: NodeId, epoch: int) -> None:
         self._dissemination.acknowledge(robot, epoch)
-        if epoch < EPOCH_MAX:
-            self._newest_epoch = max(self._newest_epoch, epoch)
+        if is_newer_epoch(epoch, self._newest_epoch):
+            self._newest_epoch = epoch
 
     def _replan(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Return the new plan, if there is cause for one, and a line for the operator."""
@@ -123,7 +121,7 @@ class Mission:
         if self._newest_epoch > self._plan.epoch:
             # Robots hold a plan of an earlier life of this computer; only a higher number replaces it.
             notice = f"robots hold plan {self._newest_epoch} of an earlier mission computer; sending ours again"
-            self._put_in_force(self._maker.renumbered(self._plan, self._next_epoch), inputs.time)
+            self._put_in_force(encode_body(self._maker.renumbered(self._plan, self._next_epoch)), inputs.time)
             return self._plan, notice
         if self._membership.is_regrouping_due(inputs.time):
             return self._plan_members(inputs.time)
@@ -132,11 +130,11 @@ class Mission:
     def _plan_shape(self, shape: FloatArray, time: float) -> tuple[Plan | None, str]:
         """Plan for a shape that was ordered; refuse one that cannot be used."""
         try:
-            plan = self._maker.for_shape(self._next_epoch, shape, self._membership.lost(time))
+            body = encode_body(self._maker.for_shape(self._next_epoch, shape, self._membership.lost(time)))
         except SwarmError as error:
             return None, self._refusal(f"shape refused: {error}")
         self._membership.account(time)
-        self._put_in_force(plan, time)
+        self._put_in_force(body, time)
         return self._plan, ""
 
     def _plan_members(self, time: float) -> tuple[Plan | None, str]:
@@ -146,9 +144,10 @@ class Mission:
         self._membership.account(time)
         try:
             plan = self._maker.for_members(self._next_epoch, lost)
+            body = encode_body(plan)
         except SwarmError as error:
             return None, self._refusal(f"{change}, but there is no plan without: {error}")
-        self._put_in_force(plan, time)
+        self._put_in_force(body, time)
         notice = f"{change}; new plan for {len(plan.goals)} robots"
         _log.warning(notice)
         return self._plan, notice
@@ -163,8 +162,8 @@ class Mission:
         _log.warning(notice)
         return notice
 
-    def _put_in_force(self, plan: Plan, time: float) -> None:
-        self._body = encode_body(plan)
+    def _put_in_force(self, body: bytes, time: float) -> None:
+        self._body = body
         # Viewers and metrics see exactly what the robots decode: positions as float32.
         decoded = decode_body(self._body)
         assert isinstance(decoded, Plan)  # the type that was encoded

@@ -112,9 +112,7 @@ class PlanMaker:
             if rows is not None and 0 <= member.goal < len(rows):
                 taken[rows[member.goal]] = True
         order = np.lexsort((np.arange(len(taken)), taken, covered))
-        kept = [
-            row for group in roster.groups for row in order[self._full.types[order] == group.type][: group.count]
-        ]
+        kept = [row for group in roster.groups for row in order[self._full.types[order] == group.type][: group.count]]
         return np.array(sorted(kept), dtype=np.int64)
 
     def _is_covered(self, lost: Sequence[Member]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
@@ -142,5 +140,4 @@ def body_outline(position: tuple[float, float], radius: float) -> FloatArray:
     angles = (np.arange(CORNERS) + 0.5) * (2.0 * np.pi / CORNERS)
     reach = radius / np.cos(np.pi / CORNERS)
     outline = np.array(position) + reach * np.column_stack([np.cos(angles), np.sin(angles)])
-    return outline.astype(np.float32).astype(np.float64)
-
+    return np.asarray(outline.astype(np.float32), dtype=np.float64)

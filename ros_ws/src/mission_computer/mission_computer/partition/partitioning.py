@@ -156,7 +156,9 @@ def _remedy(domain: Domain, roster: Roster, method: PartitionMethod) -> str:
     """Return the line for the operator when circles, largest first, do not fit."""
     bare = Domain(domain.contour, (), domain.radii, domain.gaps)
     if domain.obstacles and method.fits(bare):
-        return "obstacles in or beside the shape leave too little room for the robots; move the shape away or scale it up"
+        return (
+            "obstacles in or beside the shape leave too little room for the robots; move the shape away or scale it up"
+        )
     tight = [
         f"type {group.type} (radius {group.coverage_radius_m:g} m)"
         for group in roster.groups

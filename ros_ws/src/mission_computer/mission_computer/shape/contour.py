@@ -14,11 +14,6 @@ def signed_area(contour: FloatArray) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def perimeter(contour: FloatArray) -> float:
-    """Return the length of a closed (k, 2) contour [m] (thesis eq. (3.63))."""
-    return float(np.linalg.norm(np.roll(contour, -1, axis=0) - contour, axis=1).sum())
-
-
 def boundary_center(contour: FloatArray) -> FloatArray:
     """Return the length-weighted mean z_c of a closed (k, 2) contour, a (2,) array (thesis eqs. (3.65)-(3.66)).
 

@@ -59,6 +59,7 @@ _NOBODY = -1
 _NO_INDEX = 0  # index of no neighbour
 _UNKNOWN, _SELF = 0, 1  # slots of the table: 0 belongs to no destination, 1 to the node itself
 _DELETED, _BROKEN, _ACTIVE = 0, 1, 2
+_DUMP_TURNS = 2  # into which the nodes share their full dumps
 _COLUMNS = (
     *("_destination", "_label", "_next_hop", "_state", "_refreshed_at"),
     *("_first_at", "_best_at", "_settling", "_pending", "_due_at"),
@@ -217,11 +218,11 @@ class RouteTable:
     def advertise(self, tick: int) -> RouteRows:
         """Return the rows for this tick's hello: the own row, and what changed or, once per dump period, everything.
 
-        The node's number rises by two with each full dump. Nodes dump in different ticks, by their ids, so that the
-        load of a neighbourhood is even.
+        The node's number rises by two with each full dump. Nodes dump in two turns, by their ids: merging many dumps
+        at once costs little more than merging one, and two turns keep the peak of a neighbourhood's load low.
         """
         count = self._slots
-        if (tick - self._node) % self._dump_ticks == 0:
+        if (tick - self._node % _DUMP_TURNS * self._dump_ticks // _DUMP_TURNS) % self._dump_ticks == 0:
             self._label[_SELF] = self._numbered(self.sequence + 2)
             self._challenge_neighbors(tick)
             self._forget_old_offers()

@@ -1,0 +1,161 @@
+"""Checks that need more than one part of a scenario: what each part allows, and all of them together do not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+
+from bringup.layout import rally_point
+from bringup.scenario import Scenario
+from mission_computer.plan_making import PlanMaker
+from mission_computer.roster import Roster
+from swarm_agent.planning.path_planner import planner_for
+from swarm_msgs_py.body_codec import encode_body
+from swarm_msgs_py.errors import ConfigError, FrameError
+from swarm_msgs_py.frames import OVERHEAD
+from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
+from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import FloatArray, NodeId, robot_name
+from swarm_sim.scene import Scene
+
+NAMED_MAX = 4  # robots that a one-line error names
+LONGEST_PATH_M = (UNREACHABLE - 1) / 100.0  # robots tell each other costs as whole centimeters in 16 bits
+FRAME_BYTES_MAX = 0xFFFF  # a batch tells the length of each frame in 16 bits
+PACKET_BYTES = 64  # more than the head of a packet around a body
+SMALLER_PLAN = "use fewer robots, or fewer corners in the shape and the obstacles"
+
+
+def check_size(bounds: tuple[float, float, float, float]) -> None:
+    """Refuse an arena in which a straight path can be longer than robots can tell.
+
+    Raises
+    ------
+    ConfigError
+    """
+    diagonal = math.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1])
+    if diagonal > LONGEST_PATH_M:
+        raise ConfigError(
+            f"the arena measures {diagonal:.0f} m across, robots can tell path lengths up to {LONGEST_PATH_M:.0f} m; "
+            "make it smaller"
+        )
+
+
+def check_margins(scenario: Scenario) -> None:
+    """Refuse goals so near to each other that avoidance keeps the neighbors from reaching them.
+
+    Raises
+    ------
+    ConfigError
+        Naming both settings.
+    """
+    gap, margin = scenario.mission.partition.gaps.robot_m, scenario.agent.control.avoidance.margin_m
+    if gap <= 2.0 * margin:
+        raise ConfigError(
+            f"mission.partition.gaps.robot_m ({gap:g} m) must be more than twice agent.control.avoidance.margin_m "
+            f"({margin:g} m), else robots stop before their goals; raise the one or lower the other"
+        )
+
+
+def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacles: tuple[FloatArray, ...]) -> Plan:
+    """Return the plan that the mission computer will make first.
+
+    Raises
+    ------
+    ConfigError
+        If it is too large for the radio.
+    ShapeError
+        If the shape cannot be used.
+    """
+    plan = PlanMaker(scenario.mission.partition, roster, obstacles, scenario.map.bounds_m).for_shape(1, contour, ())
+    try:
+        size = len(encode_body(plan)) + OVERHEAD + PACKET_BYTES
+    except FrameError as error:
+        raise ConfigError(f"the plan does not fit a radio frame ({error}); {SMALLER_PLAN}") from None
+    if size > FRAME_BYTES_MAX:
+        raise ConfigError(f"the plan takes {size} bytes, a radio frame {FRAME_BYTES_MAX}; {SMALLER_PLAN}")
+    return plan
+
+
+def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:
+    """Refuse robots without a path to any goal of their type, and goals that no robot of their type has a path to.
+
+    Raises
+    ------
+    ConfigError
+        Naming the robots, or the goal with its place and the clearance that it lacks.
+    """
+    walled_off: list[NodeId] = []
+    longest = 0.0
+    for _, kind in sorted({robot.type.type: robot.type for robot in scene.robots}.items()):
+        _check_clearance(scenario, scene, plan, kind)
+        costs, robots = _costs(scenario, scene, plan, kind)
+        has_path = np.isfinite(costs)
+        walled_off += [robot for robot, row in zip(robots, has_path, strict=True) if not row.any()]
+        blocked = np.flatnonzero(plan.goal_types == kind.type)[~has_path.any(axis=0)]
+        if len(blocked) and has_path.any():
+            raise ConfigError(
+                f"no path leads to {_goal(plan, int(blocked[0]))} for robots of type {kind.type}; "
+                "move the obstacles apart, or move the shape"
+            )
+        longest = max(longest, float(costs[has_path].max(initial=0.0)))
+    if walled_off:
+        names = ", ".join(robot_name(robot) for robot in sorted(walled_off)[:NAMED_MAX])
+        raise ConfigError(
+            f"no path leads from {names}{', ...' if len(walled_off) > NAMED_MAX else ''} to the shape; "
+            "move the obstacles apart, or start elsewhere (another seed, start.half_side_m, start.positions_m)"
+        )
+    if longest > LONGEST_PATH_M:
+        raise ConfigError(
+            f"a path from start to goal is {longest:.0f} m long, robots can tell lengths up to {LONGEST_PATH_M:.0f} m; "
+            "open a shorter way between the obstacles, or start nearer"
+        )
+
+
+def check_rally_point(scenario: Scenario, scene: Scene) -> None:
+    """Refuse a rally point that some robot cannot drive to.
+
+    Raises
+    ------
+    ConfigError
+        Naming the first such robot, and the setting.
+    """
+    point = np.array([rally_point(scenario)])
+    for robot in scene.robots:
+        planner = planner_for(scene.obstacles, robot.type.coverage_radius_m, scenario.agent.planning)
+        if not np.isfinite(planner.costs(np.array(robot.position), point)).all():
+            raise ConfigError(
+                f"{robot_name(robot.id)} has no path to the rally point ({point[0, 0]:g}, {point[0, 1]:g}): it is in or "
+                "against an obstacle, outside the arena or walled off; move it into the open"
+            )
+
+
+def _costs(scenario: Scenario, scene: Scene, plan: Plan, kind: RobotType) -> tuple[FloatArray, list[NodeId]]:
+    """Return the path length from each robot of a type to each goal of it, (n, g), inf for none [m]; and the robots."""
+    planner = planner_for(scene.obstacles, kind.coverage_radius_m, scenario.agent.planning)
+    goals = plan.goals[plan.goal_types == kind.type]
+    robots = [robot for robot in scene.robots if robot.type.type == kind.type]
+    costs = np.array([planner.costs(np.array(robot.position), goals) for robot in robots])
+    return costs, [robot.id for robot in robots]
+
+
+def _check_clearance(scenario: Scenario, scene: Scene, plan: Plan, kind: RobotType) -> None:
+    """Refuse goals in the margin that the path planner keeps to obstacles."""
+    space = planner_for(scene.obstacles, kind.coverage_radius_m, scenario.agent.planning).space
+    for goal in np.flatnonzero(plan.goal_types == kind.type):
+        if space.is_free(plan.goals[goal]):
+            continue
+        solid = shapely.union_all([shapely.Polygon(obstacle) for obstacle in scene.obstacles])
+        free = float(solid.distance(shapely.Point(plan.goals[goal])))
+        needed = kind.coverage_radius_m + scenario.agent.planning.clearance_margin_m
+        raise ConfigError(
+            f"{_goal(plan, int(goal))} cannot be reached by robots of type {kind.type}: the nearest obstacle is "
+            f"{free:.2f} m away, their path planner keeps {needed:.2f} m; raise mission.partition.gaps.obstacle_m, "
+            "lower agent.planning.clearance_margin_m, or move the shape"
+        )
+
+
+def _goal(plan: Plan, goal: int) -> str:
+    x, y = (float(coordinate) for coordinate in plan.goals[goal])
+    return f"goal {goal} at ({x:.2f}, {y:.2f})"
