@@ -126,8 +126,8 @@ def check_rally_point(scenario: Scenario, scene: Scene) -> None:
         planner = planner_for(scene.obstacles, robot.type.coverage_radius_m, scenario.agent.planning)
         if not np.isfinite(planner.costs(np.array(robot.position), point)).all():
             raise ConfigError(
-                f"{robot_name(robot.id)} has no path to the rally point ({point[0, 0]:g}, {point[0, 1]:g}): it is in or "
-                "against an obstacle, outside the arena or walled off; move it into the open"
+                f"{robot_name(robot.id)} has no path to the rally point ({point[0, 0]:g}, {point[0, 1]:g}): it is "
+                "in or against an obstacle, outside the arena or walled off; move it into the open"
             )
 
 

@@ -13,15 +13,15 @@ from bringup.engine import TickRecord
 from bringup.inprocess import InProcessEngine
 from bringup.resolution import resolve
 from bringup.scenario import Scenario, StartSpec
-from bringup.scenario_file import load_scenario, parse_assignment
+from bringup.scenario_file import Origin, load_scenario, parse_assignment
 from bringup.supervisor import Supervisor, Verdict
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray, NodeId
 from swarm_sim.simulation import Simulation
 
 SETTINGS = ("backend=massdamper", "duration_s=120", "shape.scale=3.2")
-SQUATTER, TRAVELER = NodeId(5), NodeId(0)
-EARLY, LATER = 4, 10  # ticks of the two deaths; by the first, the robots have reported
+SQUATTER, TRAVELER = NodeId(5), NodeId(6)
+EARLY, LATER = 1, 10  # ticks after which the two die; all have been heard by then, and nobody has got far
 
 
 class FatalEngine(InProcessEngine):
@@ -53,7 +53,7 @@ def square_swarm() -> Scenario:
 
 
 def first_plan(scenario: Scenario) -> Plan:
-    with InProcessEngine(ScenarioActors(resolve(scenario, "test"))) as engine:
+    with InProcessEngine(ScenarioActors(resolve(scenario, Origin("test")))) as engine:
         plan = next(engine.ticks()).plan
     assert plan is not None
     return plan
@@ -83,7 +83,7 @@ def outcome(scenario: Scenario, engine: InProcessEngine) -> tuple[list[TickRecor
 
 @pytest.fixture(scope="module")
 def run() -> Iterator[tuple[list[TickRecord], Verdict]]:
-    scenario = resolve(with_squatter(square_swarm()), "test")
+    scenario = resolve(with_squatter(square_swarm()), Origin("test"))
     with pytest.MonkeyPatch.context() as monkeypatch:
         yield outcome(scenario, FatalEngine(scenario, {EARLY: SQUATTER, LATER: TRAVELER}, monkeypatch))
 
@@ -115,10 +115,11 @@ def test_nobody_touches_a_body_on_the_way(run: tuple[list[TickRecord], Verdict])
     assert min(record.truth.min_clearance for record in records) > 0.0
 
 
-def test_losses_that_follow_each_other_make_one_new_plan_and_one_line(run: tuple[list[TickRecord], Verdict]) -> None:
+def test_the_operator_reads_of_each_loss_in_one_line(run: tuple[list[TickRecord], Verdict]) -> None:
     records, _ = run
 
     assert [alert for record in records for alert in record.alerts] == [
-        "r00 and r05 are lost; new plan for 6 robots",
+        "r05 is lost; new plan for 7 robots",
+        "r06 is lost; new plan for 6 robots",
     ]
-    assert [record.plan.epoch for record in records if record.plan is not None] == [1, 2]
+    assert [record.plan.epoch for record in records if record.plan is not None] == [1, 2, 3]

@@ -7,6 +7,7 @@ import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 from run_folders import metrics_of
@@ -19,7 +20,7 @@ from bringup.interruption import Interruption
 from bringup.progress import Progress
 from bringup.resolution import resolve
 from bringup.results import FormationMetrics
-from bringup.run import execute, write_results
+from bringup.run import Journal, execute, write_results
 from bringup.run_folder import RunFolder
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario, parse_assignment
@@ -71,8 +72,9 @@ def give_up() -> None:
 
 def run(scenario: Scenario, engine: EventfulEngine, folder: Path, interruption: Interruption) -> FormationMetrics:
     with Progress(Console(stderr=True), scenario.robots.count) as progress:
-        outcome = execute(scenario, engine, interruption, progress)
-    return write_results(scenario, "inprocess", outcome, RunFolder(folder), interruption)
+        kept = RunFolder(folder)
+        outcome = execute(scenario, engine, interruption, progress, Journal(scenario, "inprocess", kept, progress))
+    return write_results(scenario, "inprocess", outcome, kept, interruption)
 
 
 def test_an_interruption_stops_the_engine_and_keeps_the_metrics_so_far(smoke: Scenario, tmp_path: Path) -> None:
@@ -142,5 +144,58 @@ def test_a_robot_that_dies_is_counted_and_the_rest_go_on(
         metrics = run(smoke, engine, tmp_path, interruption)
 
     assert metrics.achieved, metrics.reason
+    assert metrics.displacement_lower_bound_m is not None
+    assert metrics.displacement_lower_bound_m < metrics.total_displacement_m
     assert (metrics.lost_robots, metrics.goals_reached) == (1, 3)
     assert "1 lost" in metrics.reason
+
+
+def test_what_is_on_disk_while_a_run_goes_on_is_readable(smoke: Scenario, tmp_path: Path) -> None:
+    seen: dict[str, object] = {}
+
+    def look() -> None:
+        seen.update(metrics_of(tmp_path))
+        seen["files"] = sorted(path.name for path in tmp_path.iterdir())
+        seen["again"] = resolve(*load_scenario(str(tmp_path / "scenario.yaml")))
+        with np.load(tmp_path / "trajectories.npz") as arrays:
+            seen["ticks recorded"] = len(arrays["tick_time"])
+
+    with Interruption() as interruption:
+        metrics = run(smoke, EventfulEngine(smoke, look), tmp_path, interruption)
+
+    assert seen["files"] == ["metrics.json", "scenario.yaml", "trajectories.npz"]
+    assert seen["again"] == smoke
+    assert str(seen["reason"]).startswith("still running at 0.5 s")
+    assert seen["ticks recorded"] == seen["ticks"] == 1
+    assert seen["achieved"] is False
+    assert metrics_of(tmp_path)["reason"] == metrics.reason
+
+
+def test_saves_are_due_now_and_then_only(smoke: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[str] = []
+    write = RunFolder.write
+    monkeypatch.setattr(
+        RunFolder, "write", lambda folder, name, data: written.append(name) or write(folder, name, data)
+    )
+    with Interruption() as interruption:
+        run(smoke, EventfulEngine(smoke, lambda: None), tmp_path, interruption)
+
+    assert written.count("metrics.json") == 2  # after the first tick and at the end of this short run
+
+
+def test_a_disk_that_takes_nothing_for_a_while_does_not_end_the_run(
+    smoke: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, attempts = RunFolder.write, iter(range(100))
+
+    def fail_at_first(folder: RunFolder, name: str, data: bytes) -> Path:
+        if next(attempts) < 2:
+            raise OSError(28, "No space left on device")
+        return write(folder, name, data)
+
+    monkeypatch.setattr(RunFolder, "write", fail_at_first)
+    with Interruption() as interruption:
+        metrics = run(smoke, EventfulEngine(smoke, lambda: None), tmp_path, interruption)
+
+    assert metrics.achieved
+    assert metrics_of(tmp_path)["achieved"] is True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -29,6 +30,11 @@ def changed(change: Change) -> str:
 
 def types(*groups: dict[str, Any]) -> Change:
     return lambda data: data["robots"].update(types=list(groups))
+
+
+def circle(corners: int) -> list[list[float]]:
+    angles = [2.0 * math.pi * corner / corners for corner in range(corners)]
+    return [[2.0 * math.cos(angle), 2.0 * math.sin(angle)] for angle in angles]
 
 
 PEN = [
@@ -123,6 +129,53 @@ FILES = {
             )
         ),
         r"bad\.yaml: robots: no path leads from r00, r01, r02 to the shape; move",
+    ),
+    "nested beyond reason": ("[" * 5000, r"bad\.yaml: not YAML that can be read: nested too deeply; correct"),
+    "key told twice": ("name: a\nseed: 1\nseed: 2\n", r"bad\.yaml: key 'seed' is told in line 2 and again in line 3"),
+    "halves of the arena without a gap": (
+        changed(
+            lambda d: (
+                d["map"].update(
+                    obstacles=[{"name": "wall", "vertices_m": [[2.4, -4.9], [2.6, -4.9], [2.6, 4.9], [2.4, 4.9]]}]
+                )
+                or d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [-1, -3], [4, 3]])
+            )
+        ),
+        r"bad\.yaml: robots: no path leads from r03 to the shape; move",
+    ),
+    "start against the edge": (
+        changed(lambda d: d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [-1, -3], [4.9, 3]])),
+        r"bad\.yaml: robots: r03 starts at \(4\.9, 3\), outside the arena or against its edge; move it",
+    ),
+    "mission computer in the margin of an obstacle": (
+        changed(lambda d: d.update(mission={"position_m": [2.3, 2.7]})),
+        r"bad\.yaml: mission\.position_m: r00 has no path to the rally point \(2\.3, 2\.7\): .* into the open",
+    ),
+    "rally point outside the arena": (
+        changed(lambda d: d.update(agent={"decision": {"rally_point_m": [9, 0]}})),
+        r"bad\.yaml: agent\.decision\.rally_point_m: r00 has no path to the rally point",
+    ),
+    "goals in the planner's margin": (
+        changed(
+            lambda d: (
+                d["map"].update(obstacles=[{"name": "w", "vertices_m": [[-4, 1.1], [4, 1.1], [4, 1.3], [-4, 1.3]]}]),
+                d.update(agent={"planning": {"clearance_margin_m": 0.9}}),
+                d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [-1, -3], [2, -3]]),
+            )
+        ),
+        r"bad\.yaml: robots: goal \d at .* cannot be reached by robots of type 1: .* agent\.planning\.clearance_margin_m",
+    ),
+    "goals nearer than avoidance allows": (
+        changed(lambda d: d.update(mission={"partition": {"gaps": {"robot_m": 0.08}}})),
+        r"bad\.yaml: mission\.partition\.gaps: .*robot_m \(0\.08 m\) .* agent\.control\.avoidance\.margin_m",
+    ),
+    "arena wider than path lengths can say": (
+        changed(lambda d: d["map"].update(bounds_m=[-300, -300, 300, 300])),
+        r"bad\.yaml: map: the arena measures 849 m across, robots can tell path lengths up to 655 m; make it smaller",
+    ),
+    "plan larger than a radio frame": (
+        changed(lambda d: d["shape"].update(points=circle(9000), scale=1.0)),
+        r"bad\.yaml: shape: the plan takes \d+ bytes, a radio frame 65535; use fewer robots, or fewer corners",
     ),
     "settings that contradict each other": (
         changed(lambda d: d.update(agent={"control": {"park_m": 0.5, "unpark_m": 0.1}})),

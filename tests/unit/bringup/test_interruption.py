@@ -8,7 +8,7 @@ import pytest
 from bringup.interruption import Interruption
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_a_block_that_welcomes_it(number: signal.Signals) -> None:
     with Interruption() as interruption, pytest.raises(KeyboardInterrupt), interruption.welcome():
         os.kill(os.getpid(), number)
@@ -43,3 +43,14 @@ def test_the_signals_are_given_back() -> None:
         assert signal.getsignal(signal.SIGINT) != before[0]
 
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+
+
+def test_a_hangup_that_is_ignored_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with Interruption() as interruption, interruption.welcome():
+            os.kill(os.getpid(), signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+    assert not interruption.requested

@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 import shapely
 
-from bringup.layout import make_scene
+from bringup.compose import ScenarioActors
+from bringup.layout import make_scene, walls
 from bringup.resolution import resolve
 from bringup.scenario import Scenario, StartSpec
 from bringup.scenario_file import load_scenario
+from mission_computer.shape.arena import Obstacle
+from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_sim.scene import Scene
 
 
@@ -67,6 +71,41 @@ def test_explicit_start_points_in_a_wall_are_refused(swarm: Scenario) -> None:
 
     with pytest.raises(ConfigError, match=r"r49 starts at .* in or against obstacle 0"):
         make_scene(started(swarm, positions_m=(*points, (block[0][0] + 2.0, block[0][1] + 2.0))))
+
+
+def test_explicit_start_points_against_the_edge_are_refused(swarm: Scenario) -> None:
+    points = ((49.9, 0.0), *((1.8 * index - 45.0, -45.0) for index in range(49)))
+
+    with pytest.raises(
+        ConfigError, match=r"r00 starts at \(49\.9, 0\), outside the arena or against its edge; move it"
+    ):
+        make_scene(started(swarm, positions_m=points))
+
+
+def test_the_fence_closes_the_arena_from_outside(swarm: Scenario) -> None:
+    fence = shapely.union_all([shapely.Polygon(wall) for wall in walls(swarm)[-4:]])
+
+    assert swarm.map.bounds_m is not None
+    assert shapely.Polygon(fence.exterior).contains(shapely.box(*swarm.map.bounds_m))
+    assert fence.intersection(shapely.box(*swarm.map.bounds_m)).area == pytest.approx(0.0)
+    assert fence.boundary.contains(shapely.box(*swarm.map.bounds_m).boundary)
+
+
+def test_no_path_leaves_the_arena(swarm: Scenario) -> None:
+    # A wall from edge to edge, but for a gap too narrow for any robot: the way around would lead outside.
+    barrier = Obstacle(name="barrier", vertices_m=((-1.0, -49.9), (1.0, -49.9), (1.0, 49.9), (-1.0, 49.9)))
+    halves = replace(swarm, map=replace(swarm.map, obstacles=(barrier,)))
+    planner = planner_for(walls(halves), THESIS_TYPES[2].coverage_radius_m, swarm.agent.planning)
+
+    assert planner.path(np.array([-10.0, 0.0]), np.array([10.0, 0.0])) is None
+
+
+def test_robots_rally_at_the_mission_computer_unless_told_otherwise(swarm: Scenario) -> None:
+    moved = replace(swarm, mission=replace(swarm.mission, position_m=(5.0, -3.0)))
+    told = replace(moved, agent=replace(swarm.agent, decision=replace(swarm.agent.decision, rally_point_m=(1.0, 2.0))))
+
+    assert ScenarioActors(moved).agent_config.decision.rally_point_m == (5.0, -3.0)
+    assert ScenarioActors(told).agent_config.decision.rally_point_m == (1.0, 2.0)
 
 
 def test_a_square_without_room_names_the_robot_and_the_remedy(swarm: Scenario) -> None:

@@ -101,6 +101,20 @@ def test_values_of_assignments_are_yaml() -> None:
     assert scenario.description == "a"
 
 
+@pytest.mark.parametrize("number", ["1e2", "100", "1.0e2", "1E+2", "+1e2", "0.1e3", "100."])
+def test_numbers_are_those_of_yaml_1_2(number: str, tmp_path: Path) -> None:
+    source = Path(written(tmp_path))
+    source.write_text(source.read_text().replace("duration_s: 60.0", f"duration_s: {number}"))
+
+    assert loaded(str(source)).duration_s == 100.0
+    assert loaded("smoke-4", parse_assignment(f"duration_s={number}")).duration_s == 100.0
+
+
+@pytest.mark.parametrize("word", ["e5", "1e", ".", "-", "1.2.3", "e"])
+def test_words_that_look_like_numbers_stay_words(word: str) -> None:
+    assert loaded("smoke-4", parse_assignment(f"description={word}")).description == word
+
+
 def test_another_shape_comes_without_the_old_placement() -> None:
     assert loaded("demo", shape_override("hw_2_square")).shape.scale == 1.0
 

@@ -1,10 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
 from tick_builders import PERIOD, make_plan, make_tick
 
 from bringup.engine import TickRecord
 from bringup.scenario import SuccessSpec
 from bringup.supervisor import Supervisor, Verdict
+from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import MISSION, NodeId
 
 ROBOTS = (NodeId(0), NodeId(1))
@@ -13,8 +18,8 @@ AT_GOALS = [[0.1, 0.0], [2.0, 0.1]]
 HOLD_TICKS = 6  # 3 s at 0.5 s; rest is counted from the first sample on, so one tick more is needed
 
 
-def make_supervisor(duration_s: float = 1000.0) -> Supervisor:
-    return Supervisor(ROBOTS, SuccessSpec(), PERIOD, duration_s)
+def make_supervisor(duration_s: float = 1000.0, live_share_min: float = 0.5) -> Supervisor:
+    return Supervisor(ROBOTS, SuccessSpec(live_share_min=live_share_min), PERIOD, duration_s)
 
 
 def first_verdict(supervisor: Supervisor, records: list[TickRecord]) -> tuple[int, Verdict] | None:
@@ -101,6 +106,17 @@ def test_the_living_succeed_without_the_dead() -> None:
     assert "1 of 1 robots at their goals, 1 lost" in found[1].reason
 
 
+def test_a_shape_of_too_few_survivors_is_no_success() -> None:
+    dead = frozenset({NodeId(1)})
+    records = [make_tick(0, AT_GOALS, plan=PLAN), *resting(20, [[0.0, 0.0], [9.0, 9.0]], lost=dead)]
+
+    found = first_verdict(make_supervisor(live_share_min=0.75), records)
+
+    assert found is not None
+    assert not found[1].achieved
+    assert found[1].reason.startswith("only 1 of 2 robots live, 2 must (success.live_share_min)")
+
+
 def test_a_swarm_without_anybody_alive_has_failed() -> None:
     found = first_verdict(make_supervisor(), resting(5, AT_GOALS, lost=frozenset(ROBOTS)))
 
@@ -165,3 +181,50 @@ def test_a_robot_that_reports_no_goal_is_not_at_one() -> None:
     supervisor.watch(make_tick(0, AT_GOALS, goals=[-1, 1], plan=PLAN))
 
     assert supervisor.at_goal == 1
+
+
+def reported(record: TickRecord, **changes: object) -> TickRecord:
+    """Return the tick with every report changed."""
+    return replace(record, reports={robot: replace(report, **changes) for robot, report in record.reports.items()})
+
+
+def late_reason(records: list[TickRecord]) -> str:
+    found = first_verdict(make_supervisor(2.0), records)
+    assert found is not None
+    return found[1].reason
+
+
+def test_the_time_limit_says_who_has_no_position() -> None:
+    ticks = [make_tick(0, AT_GOALS, plan=PLAN), *resting(9, [[0, 0], [2, 4]])]
+
+    reason = late_reason([reported(tick, position=np.full(2, np.nan), goal=-1) for tick in ticks])
+
+    assert "2 have no position (robots.position_sensor_share)" in reason
+
+
+@pytest.mark.parametrize(
+    ("lost", "why"), [(frozenset(), "out of radio range"), (frozenset({MISSION}), "the mission computer is dead")]
+)
+def test_robots_that_wait_for_the_plan_are_not_called_blind(lost: frozenset[NodeId], why: str) -> None:
+    ticks = [make_tick(0, AT_GOALS, plan=PLAN), *resting(9, [[0, 0], [2, 4]], lost=lost)]
+
+    reason = late_reason([reported(tick, epoch=0, goal=-1, mode=Mode.WAITING) for tick in ticks])
+
+    assert f"2 never heard the plan ({why}" in reason
+    assert "position" not in reason
+
+
+def test_the_time_limit_says_who_never_answered() -> None:
+    ticks = [make_tick(0, AT_GOALS, plan=PLAN), *resting(9, [[0, 0], [2, 4]])]
+
+    assert "2 never answered" in late_reason([replace(tick, reports={}) for tick in ticks])
+
+
+def test_only_another_contour_is_a_change_of_shape() -> None:
+    supervisor = make_supervisor()
+    supervisor.watch(make_tick(0, AT_GOALS, plan=PLAN))
+    supervisor.watch(make_tick(1, AT_GOALS, plan=make_plan([[2.0, 0.0]])))
+    same_shape = supervisor.has_changed_shape
+    supervisor.watch(make_tick(2, AT_GOALS, plan=make_plan([[2.0, 0.0]], contour=((0, 0), (4, 0), (4, 4)))))
+
+    assert (same_shape, supervisor.has_changed_shape) == (False, True)

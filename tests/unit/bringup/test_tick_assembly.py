@@ -100,3 +100,54 @@ def test_the_operators_line_of_the_mission_computer_is_an_alert() -> None:
     (record,) = assembly.take_ready()
 
     assert record.alerts == ("shape refused",)
+
+
+def test_a_report_that_is_given_up_holds_up_its_tick_no_longer_and_is_told_of() -> None:
+    assembly = TickAssembly()
+    assembly.put_world(world(0))
+    assembly.put_agents(reports(0, FIRST))
+    assembly.put_mission(MissionTick(0, REPORT, None))
+    assert list(assembly.take_ready()) == []
+
+    assembly.give_up()
+
+    (record,) = assembly.take_ready()
+    assert list(record.reports) == [FIRST]
+    assert record.alerts == ("r01 answered tick 0 but did not report; recorded without",)
+
+
+def test_giving_up_one_tick_gives_up_no_other() -> None:
+    assembly = TickAssembly()
+    for tick in (0, 1):
+        assembly.put_world(world(tick, answered=frozenset({FIRST})))
+    assembly.give_up()
+
+    assert [record.tick for record in assembly.take_ready()] == [0]
+
+    assembly.put_agents(reports(1, FIRST))
+    (record,) = assembly.take_ready()
+    assert (list(record.reports), record.alerts) == ([FIRST], ())
+
+
+def test_a_given_up_mission_computer_has_its_plan_counted_when_it_comes() -> None:
+    assembly = TickAssembly()
+    for tick in (0, 1):
+        assembly.put_world(world(tick, answered=frozenset({MISSION})))
+    assembly.give_up()
+    (first,) = assembly.take_ready()
+    for tick in (0, 1):
+        assembly.put_mission(MissionTick(tick, REPORT, PLAN if tick == 0 else None))
+
+    (second,) = assembly.take_ready()
+
+    assert first.alerts == ("mission computer answered tick 0 but did not report; recorded without",)
+    assert (first.mission, first.plan) == (None, None)
+    assert (second.mission, second.plan) == (REPORT, PLAN)
+
+
+def test_nothing_is_given_up_of_a_tick_that_the_world_has_not_run() -> None:
+    assembly = TickAssembly()
+    assembly.give_up()
+    assembly.put_world(world(0, answered=frozenset({FIRST})))
+
+    assert list(assembly.take_ready()) == []

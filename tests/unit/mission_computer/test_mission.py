@@ -230,6 +230,75 @@ def test_bodies_that_are_not_one_are_counted_and_dropped() -> None:
     assert outputs.report.counters.corrupt == 1
 
 
+def plans_and_notices(air: Air, ticks: int) -> tuple[list[Plan], list[str]]:
+    outputs = [air.step() for _ in range(ticks)]
+    return [o.plan for o in outputs if o.plan is not None], [o.report.notice for o in outputs if o.report.notice]
+
+
+def test_a_robot_that_falls_silent_for_good_is_planned_around() -> None:
+    air = Air(make_mission(), Radio(0), Radio(7))
+    first = air.step().plan
+    air.run(9)
+    air.radios[1].report(epoch=1)
+    air.run(2)
+
+    air.radios = air.radios[:1]
+    before = plans_and_notices(air, 40)  # 20 s: the mesh has forgotten the robot only later
+    plans, notices = plans_and_notices(air, 40)
+
+    assert before == ([], [])
+    assert notices == ["r07 is lost; new plan for 3 robots"]
+    assert first is not None
+    (plan,) = plans
+    assert plan.epoch == 2
+    assert len(plan.goals) == len(first.goals) - 1
+    assert plan.obstacles[-1].mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-6)  # where its last hello put it
+
+
+def test_a_lost_robot_that_is_heard_again_gets_its_goal_back() -> None:
+    lost = Radio(7)
+    air = Air(make_mission(), Radio(0), lost)
+    first = air.step().plan
+    air.run(5)
+    air.radios = air.radios[:1]
+    air.run(80)
+
+    air.radios = (*air.radios, lost)
+    plans, notices = plans_and_notices(air, 30)
+
+    assert notices == ["r07 is back; new plan for 4 robots"]
+    assert first is not None
+    np.testing.assert_array_equal(plans[-1].goals, first.goals)
+    assert (plans[-1].epoch, len(plans[-1].obstacles)) == (3, 1)
+
+
+def test_a_short_silence_is_no_loss() -> None:
+    away = Radio(7)
+    air = Air(make_mission(), Radio(0), away)
+    air.run(6)
+
+    for _ in range(4):
+        air.radios = air.radios[:1]
+        silent = plans_and_notices(air, 30)  # 15 s
+        air.radios = (*air.radios, away)
+        assert (silent, plans_and_notices(air, 20)) == (([], []), ([], []))
+
+
+def test_robots_that_were_never_heard_are_waited_for() -> None:
+    assert plans_and_notices(Air(make_mission(), Radio(0)), 200)[1] == []
+
+
+def test_when_no_plan_for_those_left_can_be_made_the_old_one_stays_and_it_is_said_once() -> None:
+    air = Air(Mission(MissionConfig(), NetworkConfig(), Roster.of(THESIS_TYPES[:1]), (), SQUARE, PERIOD), Radio(0))
+    air.run(6)
+    air.radios = ()
+
+    plans, notices = plans_and_notices(air, 200)
+
+    assert plans == []
+    assert notices == ["r00 is lost, but there is no plan without: no robot is left; start some; plan 1 stays in force"]
+
+
 def test_equal_missions_say_the_same_bytes() -> None:
     first, second = Air(make_mission(), Radio(0)), Air(make_mission(), Radio(0))
 
@@ -245,3 +314,27 @@ def test_its_hello_shows_a_fixed_antenna_that_is_no_robot() -> None:
     assert (presence.robot_type, presence.is_beacon, presence.epoch) == (0, False, 1)
     assert presence.position.tolist() == [0.0, 0.0]
     assert EVERYONE not in radio.mesh.neighbors
+
+
+def test_an_absurd_epoch_in_a_hello_or_report_does_not_carry_the_count_away() -> None:
+    radio = Radio(0, epoch=2**31 - 1)
+    air = Air(make_mission(), radio)
+
+    air.run(6)
+    radio.report(epoch=2**32 - 1, mode=Mode.PARKED)
+    outputs = air.run(4)
+
+    assert outputs.report.epoch == 1
+    assert outputs.report.parked == ()
+
+
+def test_a_plan_too_large_for_a_packet_is_refused_with_its_size() -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 9000, endpoint=False)
+    fence = 300.0 + 2.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+    air = Air(Mission(MissionConfig(), NetworkConfig(), ROSTER, (fence,), SQUARE, PERIOD, None), Radio(0))
+
+    outputs = air.step()
+
+    assert outputs.plan is None
+    assert "bytes; a packet carries at most" in outputs.report.notice
+    assert "9000 corners" in outputs.report.notice

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from shapely import Point, Polygon
 
-from mission_computer.partition import PartitionConfig, check_fits, partition
+from mission_computer.partition import PartitionConfig, adapt, check_fits, partition
 from mission_computer.partition.config import Gaps
 from mission_computer.roster import Roster
 from mission_computer.shape import library_names, load_shape
@@ -114,3 +114,53 @@ def test_obstacles_that_leave_no_room_are_to_blame() -> None:
     check_fits(square, roster, (), config)
     with pytest.raises(ShapeError, match="obstacles in or beside the shape leave too little room"):
         check_fits(square, roster, (wall,), config)
+
+
+def test_a_keep_out_in_the_shape_is_no_error_but_goals_stay_clear_of_it() -> None:
+    body = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    square = 8.0 * body
+
+    goals = partition(square, Roster.of([THESIS_TYPES[1]] * 8), keep_outs=(body,))
+
+    gaps = [Polygon(body).distance(Point(p)) - 0.3 for p in goals.positions]
+    assert min(gaps) >= PartitionConfig().gaps.obstacle_m - 1e-6
+    with pytest.raises(ShapeError, match="covers"):
+        partition(square, Roster.of([THESIS_TYPES[1]] * 8), (body,))
+
+
+def test_adapted_goals_move_only_where_they_must() -> None:
+    square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
+    roster = Roster.of([THESIS_TYPES[1]] * 9)
+    goals = partition(square, roster)
+    x, y = goals.positions[4]
+    body = np.array([[x, y], [x + 0.3, y], [x + 0.3, y + 0.3]])
+
+    moved = adapt(goals, square, roster, (body,))
+
+    assert moved is not None
+    steps = np.linalg.norm(moved.positions - goals.positions, axis=1)
+    assert np.flatnonzero(steps).tolist() == [4]
+    assert steps[4] <= 0.3 + 0.2 + 0.02
+    np.testing.assert_array_equal(moved.types, goals.types)
+
+
+def test_goals_of_a_slightly_smaller_shape_follow_it() -> None:
+    contour = load_shape("formation_3", scale=1.1)
+    goals = partition(contour, ARENA.roster)
+    center = contour.mean(axis=0)
+    shrunk = center + 0.99 * (contour - center)
+
+    moved = adapt(goals, shrunk, ARENA.roster)
+
+    assert moved is not None
+    assert np.linalg.norm(moved.positions - goals.positions, axis=1).max() < 0.5
+    assert all(Polygon(shrunk).contains(Point(p)) for p in moved.positions)
+
+
+def test_goals_for_which_there_is_no_room_are_not_adapted() -> None:
+    square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
+    roster = Roster.of([THESIS_TYPES[1]] * 9)
+    goals = partition(square, roster)
+
+    assert adapt(goals, square / 4.0, roster) is None
+    assert adapt(goals, square / 20.0, roster) is None

@@ -35,6 +35,16 @@ def test_radii_follow_the_types() -> None:
     assert roster.radii_of(np.array([3, 1])).tolist() == [0.5, 0.15]
 
 
+def test_a_roster_without_some_robots_has_the_rest_of_each_type() -> None:
+    small, middle, large = THESIS_TYPES
+    roster = Roster.of([small, small, middle, large])
+
+    assert roster.without([1, 2, 2]) == Roster.of([small, large])
+    assert roster.without([]) == roster
+    with pytest.raises(ConfigError, match="no robot is left"):
+        roster.without([1, 1, 2, 3])
+
+
 def test_a_type_named_twice_is_refused() -> None:
     group = TypeGroup(type=2, count=1, coverage_radius_m=0.3)
 

@@ -1,12 +1,16 @@
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.frames import decode_body, encode_body
+from swarm_msgs_py.body_codec import BODY_MAX, row_size
+from swarm_msgs_py.frames import decode_body, decode_frame, encode_body, encode_frame
 from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.radio import Packet
 from swarm_msgs_py.types import NodeId
 
 TRIANGLE = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
@@ -121,3 +125,57 @@ def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
 def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
         decode_body(data)
+
+
+def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_reduce() -> None:
+    goals = np.zeros((8000, 2))
+    plan = Plan(1, TRIANGLE, (TRIANGLE,), goals, np.ones(8000, dtype=np.int64))
+
+    with pytest.raises(FrameError) as caught:
+        encode_body(plan)
+
+    text = str(caught.value)
+    assert f"Plan of {1 + 10 + 24 + 2 + 24 + 8000 * 9} bytes; a packet carries at most {BODY_MAX}" in text
+    assert "8000 goals of 9 bytes, 3 contour points of 8, and 1 obstacles with 3 corners of 8: use fewer goals" in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        make_row(costs=(1,) * 40_000),
+        RowBundle((make_row(costs=(1,) * 1000),) * 40),
+        RowRequest(1, ((NodeId(1), 1),) * 20_000),
+        Plan(1, np.zeros((70_000, 2)), (), TRIANGLE, np.ones(3, dtype=np.int64)),
+    ],
+    ids=["row", "bundle", "request", "contour"],
+)
+def test_no_body_is_longer_than_a_packet_carries(body: CostRow | RowBundle | RowRequest | Plan) -> None:
+    with pytest.raises(FrameError):
+        encode_body(body)
+
+
+def test_the_longest_body_survives_the_air() -> None:
+    count = (BODY_MAX - len(encode_body(make_row(costs=())))) // 2
+    data = encode_body(make_row(costs=(7,) * count))
+
+    assert BODY_MAX - 1 <= len(data) <= BODY_MAX
+    assert decode_frame(encode_frame(Packet(*(NodeId(1),) * 5, 1, 1, data))).body == data  # type: ignore[arg-type, union-attr]
+
+
+def test_the_size_of_a_row_is_what_it_adds_to_a_bundle() -> None:
+    row = make_row(costs=(1, 2, 3))
+
+    assert row_size(row) == len(encode_body(RowBundle((row, row)))) - len(encode_body(RowBundle((row,))))
+
+
+@pytest.mark.parametrize("x", [2e6, -1e30, float("inf"), float("nan")])
+def test_absurd_coordinates_are_refused_on_both_ends(x: float) -> None:
+    far = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, x]])
+    near = encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))
+
+    for body in (Plan(1, far, (), TRIANGLE, np.ones(3, dtype=np.int64)), Report(NodeId(1), 1, 1, 0, (0.0, x), 0)):
+        with pytest.raises(FrameError, match="not finite, or beyond"):
+            encode_body(body)
+    with pytest.raises(FrameError, match="not finite, or beyond"):
+        decode_body(near[:-5] + struct.pack("<f", x) + near[-1:])

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import struct
 from binascii import crc_hqx
 from dataclasses import replace
 
@@ -8,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.frames import HELLO_SIZE, OVERHEAD, decode_frame, encode_frame, pack_batch, unpack_batch
+from swarm_msgs_py.frames import FRAME_MAX, HELLO_SIZE, OVERHEAD, decode_frame, encode_frame, pack_batch, unpack_batch
 from swarm_msgs_py.messages.radio import Acknowledgement, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.types import EVERYONE, MISSION, NodeId
 
@@ -155,3 +156,30 @@ def test_batch_cut_short_is_refused_unless_it_ends_between_two_frames(cut: int) 
 def test_batch_refuses_a_frame_that_its_length_field_cannot_hold() -> None:
     with pytest.raises(FrameError, match="fit"):
         pack_batch(0, 0, [bytes(65536)])
+
+
+def test_a_frame_that_no_batch_could_carry_is_refused_by_size_on_both_ends() -> None:
+    longest = Packet(NodeId(1), 2, EVERYONE, NodeId(3), MISSION, 4, 5, bytes(FRAME_MAX - OVERHEAD - 9))
+    data = encode_frame(longest)
+
+    assert len(data) == FRAME_MAX
+    assert unpack_batch(pack_batch(0, 0, [data])).frames == (data,)
+    with pytest.raises(FrameError, match="Packet of 65536 bytes; a frame has at most 65535"):
+        encode_frame(replace(longest, body=longest.body + b"x"))
+    with pytest.raises(FrameError, match="too many"):
+        decode_frame(data + b"x")
+
+
+@pytest.mark.parametrize("number", [2e6, -3e38, float("nan"), float("inf")])
+@pytest.mark.parametrize("place", [0, 3])
+def test_a_hello_from_nowhere_is_refused_on_both_ends(number: float, place: int) -> None:
+    numbers = [0.0, 0.0, 0.0, 0.0]
+    numbers[place] = number
+    presence = replace(PRESENCE, position=np.array(numbers[:2]), velocity=np.array(numbers[2:]))
+    data = bytearray(encode_frame(make_hello()))
+    data[8 + 4 * place : 12 + 4 * place] = struct.pack("<f", number)
+
+    with pytest.raises(FrameError, match="must be finite and within"):
+        encode_frame(make_hello(presence=presence))
+    with pytest.raises(FrameError, match="must be finite and within"):
+        decode_frame(with_valid_checksum(bytes(data)))

@@ -5,9 +5,10 @@ import pytest
 from mesh_lab import PERIOD_S, MeshLab, make_presence
 from oracles import hop_counts
 
+from swarm_msgs_py.body_codec import BODY_MAX
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.radio import Delivery, Hello, Packet, Presence
+from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Hello, Packet, Presence
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.labels import Route
 from swarm_msgs_py.networking.mesh import MeshNetwork
@@ -332,3 +333,29 @@ def test_equal_inputs_give_equal_frames() -> None:
         return frames
 
     assert transcript() == transcript()
+
+
+def test_a_body_too_large_is_refused_at_once_and_costs_nothing_else() -> None:
+    lab = MeshLab(2, [(0, 1)])
+    lab.run(SETTLED)
+    lab.receive()
+    for offer in (lab.nodes[A].flood, lambda body: lab.nodes[A].send(B, body), lambda body: lab.nodes[A].send(A, body)):
+        with pytest.raises(FrameError, match=f"body of {BODY_MAX + 1} bytes; a packet carries at most {BODY_MAX}"):
+            offer(bytes(BODY_MAX + 1))
+    lab.nodes[A].flood(bytes(BODY_MAX))
+    lab.transmit()
+    lab.run(2)
+
+    assert delivered(lab)[B] == [Delivery(A, bytes(BODY_MAX))]
+
+
+def test_more_arrivals_than_a_frame_can_acknowledge_are_acknowledged_in_several() -> None:
+    lab = MeshLab(2, [(0, 1)])
+    lab.run(SETTLED)
+    packets = [Packet(A, 1, B, A, B, number, 9, b"") for number in range(2500)]
+    lab.nodes[B].receive(lab.tick, [encode_frame(packet) for packet in packets])
+
+    frames = [decode_frame(data) for data in lab.nodes[B].transmit(lab.tick, make_presence())]
+
+    acknowledged = [frame.packets for frame in frames if isinstance(frame, Acknowledgement)]
+    assert [number for some in acknowledged for _, _, number in some] == list(range(2500))

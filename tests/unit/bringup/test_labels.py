@@ -1,0 +1,28 @@
+"""Names of nodes in alerts: short, and true."""
+
+from __future__ import annotations
+
+import pytest
+
+from bringup.labels import LISTED_MAX, node_list
+from swarm_msgs_py.types import MISSION, NodeId
+
+CASES = {
+    "none": ((), ""),
+    "few": ((1, 3, 8), "r01, r03, r08"),
+    "as many as are listed": (range(LISTED_MAX), ", ".join(f"r{number:02d}" for number in range(LISTED_MAX))),
+    "many dealt out": (range(1, 50, 2), "r01 to r49 in steps of 2 (25 robots)"),
+    "many in a row": (range(50), "r00 to r49 (50 robots)"),
+    "many with a gap": (
+        (*range(12), 13),
+        "r00, r01, r02, r03, r04, r05, r06, r07, r08, r09, r10, r11, r13",
+    ),
+    "mission computer": ((2, MISSION), "r02, mission computer"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_nodes_are_named_as_short_as_is_exact(case: str) -> None:
+    nodes, expected = CASES[case]
+
+    assert node_list([NodeId(number) for number in nodes]) == expected
