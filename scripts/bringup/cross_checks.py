@@ -14,7 +14,6 @@ from mission_computer.roster import Roster
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import ConfigError, FrameError
-from swarm_msgs_py.frames import OVERHEAD
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
@@ -22,9 +21,6 @@ from swarm_sim.scene import Scene
 
 NAMED_MAX = 4  # robots that a one-line error names
 LONGEST_PATH_M = (UNREACHABLE - 1) / 100.0  # robots tell each other costs as whole centimeters in 16 bits
-FRAME_BYTES_MAX = 0xFFFF  # a batch tells the length of each frame in 16 bits
-PACKET_BYTES = 64  # more than the head of a packet around a body
-SMALLER_PLAN = "use fewer robots, or fewer corners in the shape and the obstacles"
 
 
 def check_size(bounds: tuple[float, float, float, float]) -> None:
@@ -70,11 +66,9 @@ def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacle
     """
     plan = PlanMaker(scenario.mission.partition, roster, obstacles, scenario.map.bounds_m).for_shape(1, contour, ())
     try:
-        size = len(encode_body(plan)) + OVERHEAD + PACKET_BYTES
+        encode_body(plan)
     except FrameError as error:
-        raise ConfigError(f"the plan does not fit a radio frame ({error}); {SMALLER_PLAN}") from None
-    if size > FRAME_BYTES_MAX:
-        raise ConfigError(f"the plan takes {size} bytes, a radio frame {FRAME_BYTES_MAX}; {SMALLER_PLAN}")
+        raise ConfigError(f"the plan cannot be radioed: {error}") from None
     return plan
 
 

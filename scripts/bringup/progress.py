@@ -106,11 +106,15 @@ def print_summary(console: Console, metrics: FormationMetrics, folder: str) -> N
 
 def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
     settled, bottleneck = _number(metrics.settling_time_s, "s"), _number(metrics.bottleneck_time_s, "s")
-    ratio, bound = _number(metrics.displacement_ratio, "", 3), _number(metrics.displacement_lower_bound_m, "m")
+    displacement = _number(metrics.total_displacement_m, "m")
+    if metrics.displacement_ratio is not None:
+        ratio, bound = _number(metrics.displacement_ratio, "", 3), _number(metrics.displacement_lower_bound_m, "m")
+        whose = "; of those that live " if metrics.lost_robots else " = "
+        displacement += f"{whose}{ratio} x lower bound {bound}"
     traffic = f"{metrics.radio_bytes / 1e6:.2f} MB in {metrics.radio_frames} frames"
     return [
         ("settling time", f"{settled} (bottleneck {bottleneck})"),
-        ("total displacement", f"{_number(metrics.total_displacement_m, 'm')} = {ratio} x lower bound {bound}"),
+        ("total displacement", displacement),
         ("collisions", f"{metrics.collisions} (least gap {_number(metrics.min_clearance_m, 'm', 3)})"),
         ("localization error", f"{_number(metrics.localization_rmse_m, 'm', 3)} rms"),
         ("radio", f"{traffic}, peak {metrics.radio_peak_bps / 1e3:.0f} kbit/s"),

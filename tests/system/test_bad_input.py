@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
-import math
 import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from run_folders import FAST
@@ -32,9 +32,11 @@ def types(*groups: dict[str, Any]) -> Change:
     return lambda data: data["robots"].update(types=list(groups))
 
 
-def circle(corners: int) -> list[list[float]]:
-    angles = [2.0 * math.pi * corner / corners for corner in range(corners)]
-    return [[2.0 * math.cos(angle), 2.0 * math.sin(angle)] for angle in angles]
+def post(index: int) -> dict[str, Any]:
+    """Return a round obstacle with as many corners as an obstacle may have, in its own place."""
+    angles, x, y = np.linspace(0.0, 2.0 * np.pi, 128, endpoint=False), 15.0 + index % 10 * 5, 15.0 + index // 10 * 5
+    corners = np.column_stack([x + np.cos(angles), y + np.sin(angles)])
+    return {"name": f"post {index}", "vertices_m": corners.tolist()}
 
 
 PEN = [
@@ -163,7 +165,7 @@ FILES = {
                 d["robots"]["start"].update(positions_m=[[0, -3], [1, -3], [-1, -3], [2, -3]]),
             )
         ),
-        r"bad\.yaml: robots: goal \d at .* cannot be reached by robots of type 1: .* agent\.planning\.clearance_margin_m",
+        r"bad\.yaml: robots: goal \d at .* cannot be reached by robots of type 1: .*planning\.clearance_margin_m",
     ),
     "goals nearer than avoidance allows": (
         changed(lambda d: d.update(mission={"partition": {"gaps": {"robot_m": 0.08}}})),
@@ -174,8 +176,8 @@ FILES = {
         r"bad\.yaml: map: the arena measures 849 m across, robots can tell path lengths up to 655 m; make it smaller",
     ),
     "plan larger than a radio frame": (
-        changed(lambda d: d["shape"].update(points=circle(9000), scale=1.0)),
-        r"bad\.yaml: shape: the plan takes \d+ bytes, a radio frame 65535; use fewer robots, or fewer corners",
+        changed(lambda d: d["map"].update(bounds_m=[-5, -5, 90, 90], obstacles=[post(index) for index in range(70)])),
+        r"bad\.yaml: shape: the plan cannot be radioed: Plan of \d+ bytes; .* simplify the contour or the obstacles",
     ),
     "settings that contradict each other": (
         changed(lambda d: d.update(agent={"control": {"park_m": 0.5, "unpark_m": 0.1}})),

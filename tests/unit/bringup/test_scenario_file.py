@@ -110,7 +110,7 @@ def test_numbers_are_those_of_yaml_1_2(number: str, tmp_path: Path) -> None:
     assert loaded("smoke-4", parse_assignment(f"duration_s={number}")).duration_s == 100.0
 
 
-@pytest.mark.parametrize("word", ["e5", "1e", ".", "-", "1.2.3", "e"])
+@pytest.mark.parametrize("word", ["e5", "1e", ".", "+", "1.2.3", "e"])
 def test_words_that_look_like_numbers_stay_words(word: str) -> None:
     assert loaded("smoke-4", parse_assignment(f"description={word}")).description == word
 

@@ -13,18 +13,10 @@ def test_the_main_arena_is_the_thesis_field() -> None:
 
     assert arena.bounds_m == (-50.0, -50.0, 50.0, 50.0)
     assert [obstacle.name for obstacle in arena.obstacles][:2] == ["block", "hexagon"]
-    assert arena.roster.size == 50
-    assert sum(arena.beacons) == 8
-
-
-def test_the_table_arena_has_five_robots_with_a_start_each() -> None:
-    arena = load_arena("arena_table")
-
-    assert arena.roster.size == len(arena.starts_m) == 5
 
 
 def test_obstacle_outlines_are_counter_clockwise_arrays() -> None:
-    for outline in load_arena("arena_main").obstacle_polygons():
+    for outline in (wall.polygon() for wall in load_arena("arena_main").obstacles):
         x, y = outline.T
         assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) > 0.0
 
@@ -39,6 +31,7 @@ def test_an_unknown_arena_is_answered_with_the_nearest_one() -> None:
     [
         ("{", "not JSON .line 1"),
         ('{"name": "x"}', "bounds_m: missing"),
+        ('{"name": "x", "bounds_m": [0, 0, 1, 1], "roster": {}}', "roster: unknown key"),
         ('{"name": "x", "bound_m": []}', "bound_m: unknown key; did you mean 'bounds_m'"),
     ],
 )
@@ -58,8 +51,7 @@ def test_a_missing_arena_file_is_named(tmp_path: Path) -> None:
 def test_a_self_crossing_obstacle_is_refused_by_name(tmp_path: Path) -> None:
     file = tmp_path / "yard.json"
     bow = {"name": "bow", "vertices_m": [[0, 0], [1, 1], [1, 0], [0, 1]]}
-    roster = {"groups": [{"type": 1, "count": 1, "coverage_radius_m": 0.1}]}
-    file.write_text(json.dumps({"name": "x", "bounds_m": [0, 0, 9, 9], "obstacles": [bow], "roster": roster}))
+    file.write_text(json.dumps({"name": "x", "bounds_m": [0, 0, 9, 9], "obstacles": [bow]}))
 
     with pytest.raises(ShapeError, match=r"obstacle 'bow': .*crosses"):
-        load_arena(file).obstacle_polygons()
+        tuple(wall.polygon() for wall in load_arena(file).obstacles)

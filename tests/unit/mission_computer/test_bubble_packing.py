@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 from mesh_irregularity import mesh_irregularity
+from rosters import FIELD
 
 from mission_computer.partition.bubble_packing import BubblePacking
 from mission_computer.partition.config import BubbleConfig, BubbleLaw, Gaps
 from mission_computer.partition.domain import Domain
 from mission_computer.shape import load_shape
-from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.types import FloatArray
 
-ROSTER = load_arena("arena_main").roster
+ROSTER = FIELD
 FORMATIONS = ("formation_1", "formation_2", "formation_3", "formation_4")
 
 

@@ -296,7 +296,7 @@ def test_when_no_plan_for_those_left_can_be_made_the_old_one_stays_and_it_is_sai
     plans, notices = plans_and_notices(air, 200)
 
     assert plans == []
-    assert notices == ["r00 is lost, but there is no plan without: no robot is left; start some; plan 1 stays in force"]
+    assert notices == ["r00 is lost, but a new plan is not possible: no robot is left; plan 1 stays in force"]
 
 
 def test_equal_missions_say_the_same_bytes() -> None:

@@ -2,6 +2,7 @@ import re
 
 import numpy as np
 import pytest
+from rosters import FIELD, TABLE
 from shapely import Point, Polygon
 
 from mission_computer.partition import PartitionConfig, adapt, check_fits, partition
@@ -13,22 +14,23 @@ from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.robots import THESIS_TYPES
 
 ARENA = load_arena("arena_main")
-TABLE = load_arena("arena_table")
+TABLE_ARENA = load_arena("arena_table")
 NARROW = PartitionConfig(gaps=Gaps(robot_m=0.03, contour_m=0.02, obstacle_m=0.05))
 
 
 @pytest.mark.parametrize("name", library_names())
 def test_every_library_shape_holds_the_swarm_that_it_is_made_for(name: str) -> None:
-    arena, config = (TABLE, NARROW) if name.startswith("hw_") else (ARENA, PartitionConfig())
+    is_small = name.startswith("hw_")
+    arena, roster, config = (TABLE_ARENA, TABLE, NARROW) if is_small else (ARENA, FIELD, PartitionConfig())
     contour = load_shape(name)
 
-    goals = partition(contour, arena.roster, arena.obstacle_polygons(), config)
+    goals = partition(contour, roster, tuple(wall.polygon() for wall in arena.obstacles), config)
 
-    radii = arena.roster.radii_of(goals.types)
+    radii = roster.radii_of(goals.types)
     border = Polygon(contour).exterior
     apart = np.linalg.norm(goals.positions[:, None] - goals.positions, axis=2) - radii[:, None] - radii
     np.fill_diagonal(apart, np.inf)
-    assert sorted(goals.types) == sorted(arena.roster.interleaved_types())
+    assert sorted(goals.types) == sorted(roster.interleaved_types())
     assert apart.min() >= config.gaps.robot_m - 1e-5
     assert all(Polygon(contour).contains(Point(p)) for p in goals.positions)
     assert min(border.distance(Point(p)) - r for p, r in zip(goals.positions, radii, strict=True)) >= (
@@ -38,7 +40,7 @@ def test_every_library_shape_holds_the_swarm_that_it_is_made_for(name: str) -> N
 
 def test_each_type_is_spread_over_the_whole_shape() -> None:
     contour = load_shape("formation_3")
-    goals = partition(contour, ARENA.roster)
+    goals = partition(contour, FIELD)
 
     for number in (1, 2, 3):
         own = goals.positions[goals.types == number]
@@ -53,21 +55,21 @@ def test_the_scale_that_is_asked_for_is_enough_and_little_less_is_not(scale: flo
     contour = load_shape("formation_2", scale=scale)
 
     with pytest.raises(ShapeError, match=r"a shape of .* m2 is too .*: needs .* m2; scale it by at least") as caught:
-        partition(contour, ARENA.roster)
+        partition(contour, FIELD)
 
     found = re.search(r"at least ([\d.]+)", str(caught.value))
     assert found is not None
     asked = float(found[1])
-    check_fits(load_shape("formation_2", scale=scale * asked), ARENA.roster)
+    check_fits(load_shape("formation_2", scale=scale * asked), FIELD)
     with pytest.raises(ShapeError):
-        check_fits(load_shape("formation_2", scale=scale * asked * 0.9), ARENA.roster)
+        check_fits(load_shape("formation_2", scale=scale * asked * 0.9), FIELD)
 
 
 def test_a_corridor_too_narrow_names_the_types_that_do_not_fit() -> None:
     corridor = np.array([[0.0, 0.0], [200.0, 0.0], [200.0, 1.0], [0.0, 1.0]])
 
     with pytest.raises(ShapeError, match=r"too narrow for robots of type 3 \(radius 0\.5 m\): needs"):
-        check_fits(corridor, ARENA.roster)
+        check_fits(corridor, FIELD)
 
 
 def test_where_turns_leave_no_room_large_robots_go_first() -> None:
@@ -89,7 +91,7 @@ def test_a_shape_over_an_obstacle_names_it() -> None:
     contour = load_shape("formation_1", translation=(15.0, 10.0))
 
     with pytest.raises(ShapeError, match=r"obstacle 2 at \(22\.0, 20\.0\) covers .* m2 of the shape; move"):
-        partition(contour, ARENA.roster, ARENA.obstacle_polygons())
+        partition(contour, FIELD, tuple(wall.polygon() for wall in ARENA.obstacles))
 
 
 def test_goals_keep_clear_of_an_obstacle_that_touches_the_shape() -> None:
@@ -98,9 +100,9 @@ def test_goals_keep_clear_of_an_obstacle_that_touches_the_shape() -> None:
     wall = right + np.array([[0.01, -4.0], [1.0, -4.0], [1.0, 4.0], [0.01, 4.0]])
     config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
 
-    goals = partition(contour, ARENA.roster, (wall,), config)
+    goals = partition(contour, FIELD, (wall,), config)
 
-    radii = ARENA.roster.radii_of(goals.types)
+    radii = FIELD.radii_of(goals.types)
     gaps = [Polygon(wall).distance(Point(p)) - r for p, r in zip(goals.positions, radii, strict=True)]
     assert min(gaps) >= 1.5 - 1e-6
 
@@ -146,11 +148,11 @@ def test_adapted_goals_move_only_where_they_must() -> None:
 
 def test_goals_of_a_slightly_smaller_shape_follow_it() -> None:
     contour = load_shape("formation_3", scale=1.1)
-    goals = partition(contour, ARENA.roster)
+    goals = partition(contour, FIELD)
     center = contour.mean(axis=0)
     shrunk = center + 0.99 * (contour - center)
 
-    moved = adapt(goals, shrunk, ARENA.roster)
+    moved = adapt(goals, shrunk, FIELD)
 
     assert moved is not None
     assert np.linalg.norm(moved.positions - goals.positions, axis=1).max() < 0.5

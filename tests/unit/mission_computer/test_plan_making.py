@@ -6,7 +6,7 @@ from mission_computer.membership import Member
 from mission_computer.partition import PartitionConfig
 from mission_computer.plan_making import PlanMaker, body_outline
 from mission_computer.roster import Roster
-from swarm_msgs_py.errors import ConfigError, ShapeError
+from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -145,6 +145,13 @@ def test_bodies_that_leave_too_little_room_are_an_error_and_change_nothing() -> 
         maker.for_members(2, [dead(7, np.array([1.4, 1.0]), robot_type=3)])
 
     np.testing.assert_array_equal(maker.for_members(3, ()).goals, first.goals)
+
+
+def test_a_plan_that_no_packet_can_hold_is_an_error_and_changes_nothing(maker: PlanMaker, first: Plan) -> None:
+    with pytest.raises(FrameError):
+        maker.for_shape(2**40, SQUARE + 20.0, ())
+
+    np.testing.assert_array_equal(maker.for_members(2, ()).goals, first.goals)
 
 
 def test_nobody_left_is_an_error(maker: PlanMaker) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.body_codec import BODY_MAX, row_size
+from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_body, decode_frame, encode_body, encode_frame
 from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan, Report, RowBundle, RowRequest
 from swarm_msgs_py.messages.radio import Packet
@@ -160,7 +160,7 @@ def test_the_longest_body_survives_the_air() -> None:
     data = encode_body(make_row(costs=(7,) * count))
 
     assert BODY_MAX - 1 <= len(data) <= BODY_MAX
-    assert decode_frame(encode_frame(Packet(*(NodeId(1),) * 5, 1, 1, data))).body == data  # type: ignore[arg-type, union-attr]
+    assert decode_frame(encode_frame(Packet(*(NodeId(1),) * 5, 1, 1, data))).body == data  # type: ignore[union-attr]
 
 
 def test_the_size_of_a_row_is_what_it_adds_to_a_bundle() -> None:

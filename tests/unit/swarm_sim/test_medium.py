@@ -117,7 +117,8 @@ def test_frames_that_would_wait_too_long_are_dropped_and_counted_once() -> None:
     medium = make_medium(budget_bps=1600.0, queue_s=1.0)  # 100 bytes per tick; 200 may wait at its end
     sent = [bytes([k]) * 60 for k in range(20)]
 
-    dropped, heard = [], []
+    dropped: list[int] = []
+    heard: list[bytes] = []
     for tick in range(6):
         dropped.append(medium.transmit(tick, {A: sent} if tick == 0 else {}, ALL_LINKED).dropped)
         heard += medium.collect(tick + 1, ALIVE)[1]

@@ -146,10 +146,10 @@ class Mission:
             plan = self._maker.for_members(self._next_epoch, lost)
             body = encode_body(plan)
         except SwarmError as error:
-            return None, self._refusal(f"{change}, but there is no plan without: {error}")
+            return None, self._refusal(f"{change}, but a new plan is not possible: {error}")
         self._put_in_force(body, time)
         notice = f"{change}; new plan for {len(plan.goals)} robots"
-        _log.warning(notice)
+        _log.info(notice)
         return self._plan, notice
 
     @property
@@ -159,7 +159,7 @@ class Mission:
     def _refusal(self, cause: str) -> str:
         kept = f"plan {self._epoch} stays in force" if self._plan is not None else "there is no plan yet"
         notice = f"{cause}; {kept}"
-        _log.warning(notice)
+        _log.info(notice)
         return notice
 
     def _put_in_force(self, body: bytes, time: float) -> None:

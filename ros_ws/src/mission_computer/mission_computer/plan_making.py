@@ -11,6 +11,7 @@ from mission_computer.membership import Member
 from mission_computer.partition import GoalSet, PartitionConfig, adapt, partition
 from mission_computer.roster import Roster
 from mission_computer.shape import check_inside, load_shape
+from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray, IntArray
 
@@ -55,15 +56,18 @@ class PlanMaker:
             If the shape cannot be used.
         ConfigError
             If no robot is left.
+        FrameError
+            If the plan cannot be put into a packet.
         """
         contour = load_shape(load_shape(shape).astype(np.float32).astype(np.float64))
         if self._bounds is not None:
             check_inside(contour, self._bounds, "ordered shape")
         roster = self._roster.without(member.type for member in lost)
         goals = partition(contour, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
+        plan = self._plan(epoch, contour, goals, lost)
         self._contour, self._full = contour, goals
         self._rows = {epoch: np.arange(len(goals.types))}
-        return self._plan(epoch, goals, lost)
+        return plan
 
     def for_members(self, epoch: int, lost: Sequence[Member]) -> Plan:
         """Return a plan for the shape in force and the robots that are not lost.
@@ -77,6 +81,8 @@ class PlanMaker:
             If what the bodies leave free is too small.
         ConfigError
             If no robot is left.
+        FrameError
+            If the plan cannot be put into a packet.
         """
         roster = self._roster.without(member.type for member in lost)
         rows = self._kept_rows(roster, lost)
@@ -87,9 +93,12 @@ class PlanMaker:
             goals = adapt(start, self._contour, roster, self._obstacles + bodies, self._config)
         if goals is None:
             goals = partition(self._contour, roster, self._obstacles, self._config, keep_outs=bodies)
-            self._full, self._rows, rows = goals, {}, np.arange(roster.size)
+            plan = self._plan(epoch, self._contour, goals, lost)
+            self._full, self._rows = goals, {epoch: np.arange(roster.size)}
+            return plan
+        plan = self._plan(epoch, self._contour, goals, lost)
         self._rows[epoch] = rows
-        return self._plan(epoch, goals, lost)
+        return plan
 
     def renumbered(self, plan: Plan, epoch: int) -> Plan:
         """Return the same plan under another number."""
@@ -97,8 +106,11 @@ class PlanMaker:
             self._rows[epoch] = self._rows[plan.epoch]
         return replace(plan, epoch=epoch)
 
-    def _plan(self, epoch: int, goals: GoalSet, lost: Sequence[Member]) -> Plan:
-        return Plan(epoch, self._contour, self._obstacles + self._bodies(lost), goals.positions, goals.types)
+    def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
+        """Return a plan that fits a radio packet; one that does not is an error before anything is remembered."""
+        plan = Plan(epoch, contour, self._obstacles + self._bodies(lost), goals.positions, goals.types)
+        encode_body(plan)
+        return plan
 
     def _kept_rows(self, roster: Roster, lost: Sequence[Member]) -> IntArray:
         """Return which of the first goals stay, ascending; too few of them if some type has more robots than before.

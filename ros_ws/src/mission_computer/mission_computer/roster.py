@@ -80,7 +80,7 @@ class Roster(Config):
         counts = {group.type: group.count - gone[group.type] for group in self.groups}
         left = tuple(replace(group, count=counts[group.type]) for group in self.groups if counts[group.type] > 0)
         if not left:
-            raise ConfigError("no robot is left; start some")
+            raise ConfigError("no robot is left")
         return Roster(groups=left)
 
     def interleaved_types(self) -> IntArray:

@@ -92,8 +92,9 @@ def _advice(plan: Plan) -> str:
     """Return what makes a plan long, and what to do about it."""
     corners = sum(map(len, plan.obstacles))
     return (
-        f"it has {len(plan.goals)} goals of 9 bytes, {len(plan.contour)} contour points of 8, and {len(plan.obstacles)} "
-        f"obstacles with {corners} corners of 8: use fewer goals, or simplify the contour or the obstacles"
+        f"it has {len(plan.goals)} goals of 9 bytes, {len(plan.contour)} contour points of 8, and "
+        f"{len(plan.obstacles)} obstacles with {corners} corners of 8: use fewer goals, or simplify the contour or the "
+        "obstacles"
     )
 
 

@@ -27,6 +27,7 @@ class AgentInputs:
     fix : PositionFix or None
         None for a robot without position sensor, or when the sensor gives nothing.
     ranges : RangeScan
+        Empty in ticks in which no ranging is due.
     proximity : (n, 2) array
         Nearest surface point of every robot and obstacle within sensing range, body frame, origin at the robot's
         centre [m]. Robots and walls look alike.

@@ -35,7 +35,8 @@ class Parts(IntFlag):
     """Which messages of a tick accompany a batch of radio frames; travels in the batch's flags.
 
     Messages of one tick arrive in any order over their topics. The batch comes every tick and says what belongs to it,
-    so a robot knows when it has heard everything.
+    so a robot knows when it has heard everything. A part that is missing from the flags was not measured, or was empty:
+    ranges come once per ranging period, and proximity when something is near or somebody beside the robot listens.
     """
 
     NONE = 0

@@ -105,7 +105,7 @@ class RangingConfig(Config):
 class ProximityConfig(Config):
     """Short-range relative sensing of robots and walls."""
 
-    range_m: float = setting(2.0, "farthest surface that is seen, from the robot's center", unit="m", minimum=0.0)
+    range_m: float = setting(3.0, "farthest surface that is seen, from the robot's center", unit="m", minimum=0.0)
     sigma_m: float = setting(0.005, "white noise per axis of each point", unit="m", minimum=0.0)
     points_max: int = setting(12, "nearest points that are reported", minimum=1, maximum=1000)
 

@@ -1,4 +1,4 @@
-"""Arenas: bounds, obstacles and the swarm they are meant for, from a named map or a file."""
+"""Arenas: bounds and obstacles, from a named map or a file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from mission_computer.roster import Roster
 from mission_computer.shape.library import arena_names, arena_text, suggestion
 from mission_computer.shape.validation import validate
 from swarm_msgs_py.config import Config, load_config, setting
@@ -21,7 +20,6 @@ class Obstacle(Config):
     """A wall that neither robots nor radio links cross."""
 
     name: str = setting(help="what to call it in messages")
-    height_m: float = setting(1.5, "height of the walls", unit="m", above=0.0)
     vertices_m: tuple[tuple[float, float], ...] = setting(help="outline [x, y], once around", unit="m")
 
     def polygon(self) -> FloatArray:
@@ -42,15 +40,6 @@ class Arena(Config):
     name: str = setting(help="name of the arena")
     bounds_m: tuple[float, float, float, float] = setting(help="least x, least y, greatest x, greatest y", unit="m")
     obstacles: tuple[Obstacle, ...] = setting((), "walls")
-    roster: Roster = setting(help="the swarm that the arena is meant for")
-    beacons: tuple[int, ...] = setting((), "robots with a position sensor, per roster group", minimum=0)
-    start_half_side_m: float | None = setting(None, "robots start anywhere in |x|, |y| <= this", unit="m", above=0.0)
-    start_gap_m: float = setting(0.3, "least free gap around a robot at the start", unit="m", minimum=0.0)
-    starts_m: tuple[tuple[float, float], ...] = setting((), "fixed start points, in order of the roster", unit="m")
-
-    def obstacle_polygons(self) -> tuple[FloatArray, ...]:
-        """Return the outlines of all obstacles, each (k, 2) counter-clockwise [m]."""
-        return tuple(obstacle.polygon() for obstacle in self.obstacles)
 
 
 def load_arena(source: str | Path) -> Arena:

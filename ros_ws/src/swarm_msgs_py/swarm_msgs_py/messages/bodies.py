@@ -37,7 +37,10 @@ EPOCH_LEAP_MAX = 2**20
 
 
 def is_newer_epoch(epoch: int, held: int) -> bool:
-    """Return whether a plan of number `epoch` replaces the one `held`; an absurdly high number is noise and does not."""
+    """Return whether a plan of number `epoch` replaces the one `held`; an absurdly high number is noise and does not.
+
+    All who number, adopt or ask for plans use this rule, so that one damaged number cannot wedge the swarm.
+    """
     return held < epoch <= held + EPOCH_LEAP_MAX
 
 

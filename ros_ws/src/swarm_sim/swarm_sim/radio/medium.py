@@ -1,8 +1,8 @@
 """The radio medium: frames in, frames out, with loss, delay and a bit rate.
 
-A radio transmits its frames one after another at its bit rate. What a tick has no time for goes on in the next: the rest
-of a frame that has begun, then the frames that wait behind it. So a frame of any length gets through, in as many ticks
-as it takes; who hears it is decided in the tick in which it is complete.
+A radio transmits its frames one after another at its bit rate. What a tick has no time for goes on in the next: the
+rest of a frame that has begun, then the frames that wait behind it. So a frame of any length gets through, in as many
+ticks as it takes; who hears it is decided in the tick in which it is complete.
 """
 
 from __future__ import annotations

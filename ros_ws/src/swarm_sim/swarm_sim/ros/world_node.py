@@ -136,7 +136,7 @@ class WorldNode(Node):
         return killed
 
     def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
-        """Publish what a robot senses. What is empty stays unsaid: each message costs both ends more than its bytes."""
+        """Publish what a robot senses. What is empty stays unsaid: a message costs far more time than its bytes do."""
         imu, fix, ranges, proximity, radio = self._sensors[robot]
         frame, parts = convert.body_frame(robot), _IMU
         imu.publish(convert.encode_imu(stamp, frame, inputs.imu))

@@ -1,0 +1,140 @@
+"""Whatever well-formed record the radio brings, no robot crashes, and the next real plan gets through."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from builders import make_agent, make_agent_inputs, make_plan
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from mission_computer.config import MissionConfig
+from mission_computer.mission import Mission
+from mission_computer.roster import Roster
+from swarm_msgs_py.body_codec import encode_body
+from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.frames import encode_frame
+from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.radio import Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.step_io import MissionInputs
+from swarm_msgs_py.types import EVERYONE, MISSION, NodeId
+
+PERIOD = 0.5
+SQUARE = np.array([[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]])
+
+# Values that mean something to the receiver, and values at the ends of the format.
+epochs = st.sampled_from([0, 1, 2, 3, 2**20, 2**31, 2**32 - 1])
+ids = st.sampled_from([0, 1, 2, 7, int(MISSION), int(EVERYONE)])
+types = st.sampled_from([0, 1, 2, 255])
+versions = st.sampled_from([0, 1, 2, 1000, 65535])
+coordinates = st.one_of(st.floats(-8.0, 8.0, width=32), st.sampled_from([-1e6, 1e6, 0.0]))
+
+
+def points(most: int) -> st.SearchStrategy[np.ndarray]:
+    return st.integers(0, most).flatmap(lambda n: arrays(np.float64, (n, 2), elements=coordinates))
+
+
+rows = st.builds(
+    CostRow, epochs, ids, types, versions, st.integers(0, 3).flatmap(lambda n: arrays(np.int64, n, elements=versions))
+)
+plans = st.integers(0, 3).flatmap(
+    lambda n: st.builds(
+        Plan,
+        epochs,
+        points(4),
+        st.lists(points(4), max_size=2).map(tuple),
+        arrays(np.float64, (n, 2), elements=coordinates),
+        arrays(np.int64, n, elements=types),
+    )
+)
+records = st.one_of(
+    plans,
+    rows,
+    st.lists(rows, max_size=3).map(lambda some: RowBundle(tuple(some))),
+    st.builds(RowRequest, epochs, st.lists(st.tuples(ids, versions), max_size=3).map(tuple)),
+    st.builds(Report, ids, types, epochs, st.integers(-3, 3), st.tuples(coordinates, coordinates), types),
+)
+presences = st.builds(
+    Presence,
+    arrays(np.float64, 2, elements=coordinates),
+    arrays(np.float64, 2, elements=coordinates),
+    st.sampled_from([0.0, 1.0, float("inf")]),
+    types,
+    st.booleans(),
+    types,
+    epochs,
+    versions,
+)
+
+
+class Stranger:
+    """A radio nearby that says anything."""
+
+    def __init__(self) -> None:
+        self._sequence = 0
+
+    def frames(self, presence: Presence, bodies: Sequence[Body]) -> tuple[bytes, ...]:
+        self._sequence += 1
+        own = RouteRows(np.array([7]), np.array([0]), np.array([2 * self._sequence]))
+        frames = [encode_frame(Hello(NodeId(7), self._sequence, presence, own))]
+        for number, body in enumerate(bodies):
+            names = self._sequence, EVERYONE, NodeId(7), EVERYONE, self._sequence * 16 + number, 5
+            frames.append(encode_frame(Packet(NodeId(7), *names, encode_body(body))))
+        return tuple(frames)
+
+
+utterances = st.lists(st.tuples(presences, st.lists(records, max_size=3)), min_size=1, max_size=5)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(said=utterances)
+def test_a_robot_survives_any_record_and_takes_the_next_plan(said: list[tuple[Presence, list[Body]]]) -> None:
+    agent, stranger = make_agent(1), Stranger()
+    calm = Presence(np.zeros(2), np.zeros(2), 0.1, 1, True, 0, 0, 0)
+    inboxes = [stranger.frames(calm, [make_plan(SQUARE[:2])]), *(stranger.frames(*words) for words in said), (), ()]
+    epoch = 0
+    for tick, inbox in enumerate(inboxes):
+        outputs = agent.step(make_agent_inputs(tick, inbox=inbox))
+        assert np.isfinite([outputs.command.forward, outputs.command.left, outputs.command.yaw_rate]).all()
+        assert outputs.report.epoch >= epoch
+        epoch = outputs.report.epoch
+
+    real = make_plan(SQUARE, epoch=epoch + 1)
+    assert agent.step(make_agent_inputs(len(inboxes), inbox=stranger.frames(calm, [real]))).report.epoch == epoch + 1
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(said=utterances)
+def test_a_mission_computer_survives_any_record_and_its_next_plan_is_one_that_robots_take(
+    said: list[tuple[Presence, list[Body]]],
+) -> None:
+    roster = Roster.of([THESIS_TYPES[0]] * 3)
+    mission, stranger = Mission(MissionConfig(), NetworkConfig(), roster, (), SQUARE, PERIOD), Stranger()
+    newest = 0
+    for tick, words in enumerate(said):
+        outputs = mission.step(MissionInputs(tick, tick * PERIOD, stranger.frames(*words), None))
+        assert newest <= outputs.report.epoch <= newest + 2**20 + 1
+        newest = outputs.report.epoch
+
+    ordered = mission.step(MissionInputs(len(said), len(said) * PERIOD, (), SQUARE + 1.0))
+
+    assert ordered.plan is not None
+    assert newest < ordered.plan.epoch <= newest + 2**20 + 1
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(numbers=st.lists(st.floats(width=32), min_size=4, max_size=4))
+def test_what_is_no_place_never_leaves_or_enters_a_radio(numbers: list[float]) -> None:
+    presence = Presence(np.array(numbers[:2]), np.array(numbers[2:]), 0.1, 1, True, 0, 0, 0)
+    is_place = bool((np.abs(numbers) <= 1e6).all())
+
+    try:
+        Stranger().frames(presence, [])
+    except FrameError:
+        assert not is_place
+    else:
+        assert is_place
