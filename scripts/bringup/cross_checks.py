@@ -12,7 +12,6 @@ from bringup.scenario import Scenario
 from mission_computer.plan_making import PlanMaker
 from mission_computer.roster import Roster
 from swarm_agent.planning.path_planner import planner_for
-from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import ConfigError, FrameError
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
 from swarm_msgs_py.robots import RobotType
@@ -64,12 +63,11 @@ def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacle
     ShapeError
         If the shape cannot be used.
     """
-    plan = PlanMaker(scenario.mission.partition, roster, obstacles, scenario.map.bounds_m).for_shape(1, contour, ())
+    maker = PlanMaker(scenario.mission.partition, roster, obstacles, scenario.map.bounds_m)
     try:
-        encode_body(plan)
+        return maker.for_shape(1, contour, ())
     except FrameError as error:
         raise ConfigError(f"the plan cannot be radioed: {error}") from None
-    return plan
 
 
 def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:

@@ -45,15 +45,21 @@ def test_a_holder_that_is_killed_leaves_no_claim_and_no_file(
     reading, writing = os.pipe()
     holder = os.fork()
     if holder == 0:
-        DomainGuard(domain_id).acquire()
-        os.write(writing, b"held")
-        signal.pause()
-    assert os.read(reading, 4) == b"held"
-    with pytest.raises(ConfigError, match="is in use"):
-        DomainGuard(domain_id).acquire()
-
-    os.kill(holder, signal.SIGKILL)
-    os.waitpid(holder, 0)
+        try:
+            held = DomainGuard(domain_id)
+            held.acquire()
+            os.write(writing, b"held")
+            signal.pause()
+        finally:
+            os._exit(1)
+    os.close(writing)  # so that reading ends if the holder does
+    try:
+        assert os.read(reading, 4) == b"held"
+        with pytest.raises(ConfigError, match=f"by the swarm of process {holder};"):
+            DomainGuard(domain_id).acquire()
+    finally:
+        os.kill(holder, signal.SIGKILL)
+        os.waitpid(holder, 0)
 
     guard = DomainGuard(domain_id)
     guard.acquire()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -69,13 +70,34 @@ def partition(
     ShapeError
         If the shape lies over an obstacle (which, where), or is too small for the robots (with the scale it needs).
     """
-    config = config or PartitionConfig()
-    method = METHODS[config.method](config)
     check_obstacles(shape, obstacles)
-    domain, types = _posed(shape, roster, obstacles + keep_outs, config, method)
+    polygons = _Polygons((shape, *obstacles, *keep_outs))
+    return _partition(polygons, roster, config or PartitionConfig())
+
+
+class _Polygons:
+    """Polygons that compare by content, as a key under which what follows from them can be kept."""
+
+    def __init__(self, polygons: tuple[FloatArray, ...]) -> None:
+        self.arrays = tuple(np.array(polygon, dtype=np.float64) for polygon in polygons)
+        self._content = tuple(polygon.tobytes() for polygon in self.arrays)
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Polygons) and self._content == other._content
+
+
+@lru_cache(maxsize=8)  # the check before a run and the plan in its first tick are of one shape
+def _partition(polygons: _Polygons, roster: Roster, config: PartitionConfig) -> GoalSet:
+    shape, *obstacles = polygons.arrays
+    method = METHODS[config.method](config)
+    domain, types = _posed(shape, roster, tuple(obstacles), config, method)
     centers = method.place(domain)
     if centers is None:
         raise ShapeError(_remedy(domain, roster, method))
+    centers.flags.writeable = types.flags.writeable = False
     return GoalSet(centers, types)
 
 
