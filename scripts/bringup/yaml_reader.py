@@ -42,7 +42,7 @@ class _DuplicateKeyError(Exception):
     """A mapping has a key twice."""
 
 
-class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
+class _Loader(yaml.SafeLoader):
     """Safe loader that refuses a key that is told twice, where YAML 1.1 loaders silently keep the last."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[object, object]:

@@ -130,6 +130,12 @@ def test_making_way_ends_at_the_farthest_step() -> None:
     assert_array_equal(velocity, REST)
 
 
+def test_a_robot_on_its_way_to_a_far_goal_does_not_stop_for_a_blocked_one() -> None:
+    config = YieldingConfig()
+
+    assert make_way(np.array([2.0 * config.displacement_max_m, 0.0]), REST, np.array([[3.0, 0.0]]), config) is None
+
+
 def test_making_way_leads_away_from_the_blocked_robot() -> None:
     velocity = make_way(REST, REST, np.array([[-1.0, 0.0]]), YieldingConfig())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 
 import numpy as np
 
@@ -29,6 +30,7 @@ UNKNOWN_SIGMA = 1000.0
 """Standard deviation [m] that a robot claims while it has no idea where it is."""
 
 
+_IS_BEACON = attrgetter("is_beacon")
 _ORIGIN = np.zeros(2)
 _ORIGIN.flags.writeable = False
 
@@ -175,7 +177,7 @@ class Agent:
             goal=decision.goal if decision else -1,
             path=self._follower.path,
             neighbors=tuple(neighbors),
-            beacons=sum(presence.is_beacon for presence in neighbors.values()),
+            beacons=sum(map(_IS_BEACON, neighbors.values())),
             routes=len(self._mesh.reachable),
             rows=len(self._consensus.book),
             counters=self._mesh.counters,

@@ -15,11 +15,14 @@ from swarm_msgs_py.types import FloatArray
 _ASIDE = np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
 """Turns a vector by 45 degrees to the right, so that the blocked robot is not merely pushed back along its way."""
 
+_ON_ITS_WAY = 1.5
+"""A robot farther from its goal than this many of its farthest steps aside is not there yet: it has a way to go."""
+
 
 def make_way(
     position: FloatArray, destination: FloatArray, blocked: FloatArray, config: YieldingConfig
 ) -> FloatArray | None:
-    """Return the velocity with which to make way, or None when nobody near is blocked.
+    """Return the velocity with which to make way; None when nobody near is blocked, or the robot is still on its way.
 
     Parameters
     ----------
@@ -34,14 +37,15 @@ def make_way(
     (2,) array or None
         Velocity, world frame [m/s]; zero when the robot has stepped aside as far as it may.
     """
-    if not len(blocked):
+    away = float(np.hypot(*(position - destination)))
+    if not len(blocked) or away > _ON_ITS_WAY * config.displacement_max_m:
         return None
     offsets = position - blocked
     distances = np.hypot(offsets[:, 0], offsets[:, 1])
     nearest = int(distances.argmin())
     if distances[nearest] >= config.distance_m or distances[nearest] == 0.0:
         return None
-    if float(np.hypot(*(position - destination))) > config.displacement_max_m:
+    if away > config.displacement_max_m:
         return np.zeros(2)
     velocity: FloatArray = _ASIDE @ (offsets[nearest] / distances[nearest]) * config.speed_m_s
     return velocity
