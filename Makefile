@@ -56,7 +56,7 @@ check: $(LINKED) ## format, lint, types and the fast tests
 
 bench: $(LINKED) ## measure speed and quality of formation-50 on both engines, then single parts; prints tables
 	@$(VENV_PYTHON) benchmarks/formation.py $(ARGS)
-	@for part in benchmarks/bench_*.py; do echo; echo "### $$part"; $(VENV_PYTHON) "$$part"; done
+	@for part in benchmarks/bench_*.py; do echo; echo "### $$part"; PYTHONPATH=scripts $(VENV_PYTHON) "$$part"; done
 
 build: $(LINKED) ## build the ROS workspace with colcon
 	@cd ros_ws && PATH="$(abspath $(VENV))/bin:$$PATH" colcon build $(ARGS)
