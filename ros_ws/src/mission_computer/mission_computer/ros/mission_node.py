@@ -115,14 +115,10 @@ def _unpacked(data: bytes) -> Batch:
 
 def _from_parameters(context: Context) -> MissionNode:
     """Make the node that the process's parameters describe, for a field without obstacles."""
-    reader = Node(f"{NAME}_parameters", context=context, enable_rosout=False)
-    try:
+    with parameters.reader(NAME, context) as reader:
         identity = parameters.declare_config(reader, MissionIdentity())
         config = parameters.declare_config(reader, MissionConfig())
         network = parameters.declare_config(reader, NetworkConfig())
-        parameters.refuse_unknown_overrides(reader)
-    finally:
-        reader.destroy_node()
     roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
     shape = load_shape(identity.shape)
     mission = Mission(config, network, roster, (), shape, identity.period_s)

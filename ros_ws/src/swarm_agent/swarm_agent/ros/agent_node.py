@@ -128,13 +128,9 @@ def _unpacked(data: bytes) -> Batch:
 
 def _from_parameters(context: Context) -> AgentNode:
     """Make the node of the robot that the process's parameters describe."""
-    reader = Node(f"{NAME}_parameters", context=context, enable_rosout=False)
-    try:
+    with parameters.reader(NAME, context) as reader:
         identity = parameters.declare_config(reader, AgentIdentity())
         config = parameters.declare_config(reader, AgentConfig())
-        parameters.refuse_unknown_overrides(reader)
-    finally:
-        reader.destroy_node()
     robot = NodeId(identity.robot)
     agent = Agent(robot, config, THESIS_TYPES[identity.type - 1], identity.period_s)
     node = AgentNode(agent, robot, identity.period_s, context=context)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 import sys
 import typing
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import Enum
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.context import Context
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 
@@ -46,6 +49,23 @@ def declare_config(node: Node, default: C) -> C:
             raise ConfigError(f"{where}: {key}: expected {_expected(hint, about)}; {error}") from error
         with_setting(data, key, list(chosen) if isinstance(value, list) else chosen, where)
     return load_config(kind, data, where)
+
+
+@contextmanager
+def reader(name: str, context: Context) -> Iterator[Node]:
+    """Hand out a short-lived node that reads a process's parameters, before the node that they describe can be made.
+
+    Raises
+    ------
+    ConfigError
+        At the end of the block, for a parameter that nothing in it has declared.
+    """
+    node = Node(f"{name}_parameters", context=context, enable_rosout=False)
+    try:
+        yield node
+        refuse_unknown_overrides(node)
+    finally:
+        node.destroy_node()
 
 
 def refuse_unknown_overrides(node: Node) -> None:

@@ -223,14 +223,10 @@ def _scene(identity: WorldIdentity) -> Scene:
 
 def _run(executor: Executor) -> None:
     """Run the world that the process's parameters describe."""
-    reader = Node(f"{NAME}_parameters", context=executor.context, enable_rosout=False)
-    try:
+    with parameters.reader(NAME, executor.context) as reader:
         identity = parameters.declare_config(reader, WorldIdentity())
         config = parameters.declare_config(reader, SimConfig())
         pace = parameters.declare_config(reader, PaceConfig())
-        parameters.refuse_unknown_overrides(reader)
-    finally:
-        reader.destroy_node()
     simulation = Simulation(config, _scene(identity), identity.seed)
     try:
         node = WorldNode(simulation, config.period_s, context=executor.context)
