@@ -17,7 +17,22 @@ def _leave(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the 
     os._exit(INTERRUPTED)
 
 
+def _open_what_is_closed() -> None:
+    """Give descriptors 0 to 2 that the caller has closed to the null device.
+
+    Else a socket of the run could get one of these numbers, and what C code prints would go into it.
+    """
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number, which is this one
+    sys.stdout = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
+
+
 if __name__ == "__main__":
+    _open_what_is_closed()
     signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # under nohup it is to stay ignored

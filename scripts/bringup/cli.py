@@ -72,10 +72,11 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
             )
             journal = Journal(scenario, arguments.engine.value, folder, progress)
             outcome = execute(scenario, engine, interruption, progress, journal)
-        metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
-    except OSError as error:
-        print(f"error: {folder.path}: results could not be written ({error.strerror})", file=steady(sys.stderr))
-        return INTERRUPTED if interruption.requested else NOT_ACHIEVED
+        try:
+            metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
+        except OSError as error:
+            print(f"error: {folder.path}: results could not be written ({error.strerror})", file=steady(sys.stderr))
+            return INTERRUPTED if interruption.requested else NOT_ACHIEVED
     finally:
         folder.release()
     if arguments.json:

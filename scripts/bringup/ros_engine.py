@@ -101,6 +101,9 @@ class RosEngine:
         began = time.monotonic()
         try:
             self._start()
+        except OSError as error:  # no process, socket or file to be had
+            self.__exit__(None, None, None)
+            raise SwarmError(f"the swarm did not start: {error.strerror}") from error
         except BaseException:  # also an interrupt: what was started must not stay
             self.__exit__(None, None, None)
             raise

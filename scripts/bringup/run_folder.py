@@ -63,8 +63,12 @@ class RunFolder:
         """Write one file; whoever looks sees the whole file or none. Returns its path."""
         target = self.path / name
         draft = self.path / f".{name}.part"
-        draft.write_bytes(data)
-        os.replace(draft, target)
+        try:
+            draft.write_bytes(data)
+            os.replace(draft, target)
+        except OSError:
+            draft.unlink(missing_ok=True)  # on a full disk it would hold the last space
+            raise
         return target
 
 

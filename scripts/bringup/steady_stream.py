@@ -62,5 +62,7 @@ class SteadyStream(io.TextIOBase):
 
 
 def steady(stream: TextIO) -> TextIO:
-    """Return `stream` as one that never raises for want of a reader."""
+    """Return `stream` as one that never raises for want of a reader, or of a letter in its encoding."""
+    if isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors="backslashreplace")
     return cast(TextIO, SteadyStream(stream))

@@ -35,11 +35,11 @@ class TickAssembly:
             self._reports.setdefault(reports.tick, {}).update(reports.reports)
 
     def put_mission(self, tick: MissionTick) -> None:
-        """Take the mission computer's report; of one that comes too late the plan still counts."""
+        """Take the mission computer's report; of one that comes too late the plan and the notice still count."""
         if tick.tick >= self._next:
             self._missions[tick.tick] = tick
-        elif tick.plan is not None:
-            self._late_plan = tick.plan
+        else:
+            self._take_late(tick)
 
     def give_up(self) -> None:
         """Wait no more for the reports of the next tick, if the world has run it; an alert says whose are missing.
@@ -83,11 +83,10 @@ class TickAssembly:
         world, mission = self._worlds.pop(tick), self._missions.pop(tick, None)
         reports = self._reports.pop(tick, {})
         if MISSION not in world.answered and mission is not None:
-            self._late_plan = mission.plan or self._late_plan
+            self._take_late(mission)
             mission = None
-        plan = mission.plan if mission is not None else None
-        if plan is None:
-            plan, self._late_plan = self._late_plan, None
+        late_plan, self._late_plan = self._late_plan, None
+        plan = mission.plan if mission is not None and mission.plan is not None else late_plan
         notice = (mission.report.notice,) if mission is not None and mission.report.notice else ()
         alerts, self._alerts = (*self._alerts, *world.alerts, *notice), []
         return TickRecord(
@@ -99,3 +98,10 @@ class TickAssembly:
             alerts=alerts,
             lost=world.lost,
         )
+
+    def _take_late(self, tick: MissionTick) -> None:
+        """Keep, for the next record, what must not get lost with a report that came too late."""
+        if tick.plan is not None:
+            self._late_plan = tick.plan
+        if tick.report.notice:
+            self.alert(tick.report.notice)

@@ -65,3 +65,14 @@ def test_a_killed_launcher_leaves_a_readable_folder(tmp_path: Path) -> None:
     assert (tmp_path / "run" / "scenario.yaml").exists()
     assert metrics["reason"].startswith("still running")
     assert metrics["achieved"] is False
+
+
+@pytest.mark.parametrize("closed", ["1>&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_descriptors_cost_neither_results_nor_exit_code(tmp_path: Path, closed: str) -> None:
+    options = " ".join([*FAST, "--scenario", "smoke-4", "--out", "run"])
+    shell = subprocess.run(
+        ["sh", "-c", f"exec {sys.executable} {LAUNCHER} {options} {closed}"], cwd=tmp_path, check=False
+    )
+
+    assert shell.returncode == 0
+    assert metrics_of(tmp_path / "run")["achieved"] is True

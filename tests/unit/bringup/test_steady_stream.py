@@ -32,3 +32,13 @@ def test_a_stream_with_a_reader_gets_everything() -> None:
     stream.write("two")
 
     assert text.getvalue() == "one two"
+
+
+def test_a_letter_that_the_terminal_does_not_have_is_written_otherwise() -> None:
+    taken = io.BytesIO()
+    stream = steady(io.TextIOWrapper(taken, encoding="ascii"))
+
+    stream.write("d\u00e4mo")
+    stream.flush()
+
+    assert taken.getvalue() == b"d\\xe4mo"

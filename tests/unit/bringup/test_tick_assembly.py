@@ -151,3 +151,38 @@ def test_nothing_is_given_up_of_a_tick_that_the_world_has_not_run() -> None:
     assembly.put_world(world(0, answered=frozenset({FIRST})))
 
     assert list(assembly.take_ready()) == []
+
+
+def test_a_late_plan_never_comes_after_a_newer_one() -> None:
+    assembly = TickAssembly()
+    robots = frozenset({FIRST, SECOND})
+    newer = replace(PLAN, epoch=2)
+    assembly.put_world(world(0, answered=robots))
+    assembly.put_agents(reports(0, FIRST, SECOND))
+    records = list(assembly.take_ready())
+    assembly.put_mission(MissionTick(0, REPORT, PLAN))  # too late for tick 0
+    for tick, plan in ((1, newer), (2, None)):
+        assembly.put_world(world(tick))
+        assembly.put_agents(reports(tick, FIRST, SECOND))
+        assembly.put_mission(MissionTick(tick, REPORT, plan))
+
+    records += assembly.take_ready()
+
+    assert [record.plan for record in records] == [None, newer, None]
+
+
+def test_the_notice_of_a_late_mission_computer_is_not_lost() -> None:
+    assembly = TickAssembly()
+    robots = frozenset({FIRST, SECOND})
+    for tick in (0, 1):
+        assembly.put_world(world(tick, answered=robots))
+        assembly.put_agents(reports(tick, FIRST, SECOND))
+    assembly.put_mission(MissionTick(0, replace(REPORT, notice="shape refused"), None))  # unanswered, yet in time
+    records = list(assembly.take_ready())
+    assembly.put_mission(MissionTick(1, replace(REPORT, notice="r03 is lost"), None))  # after the record was made
+    assembly.put_world(world(2, answered=robots))
+    assembly.put_agents(reports(2, FIRST, SECOND))
+
+    records += assembly.take_ready()
+
+    assert [line for record in records for line in record.alerts] == ["shape refused", "r03 is lost"]

@@ -65,9 +65,8 @@ class GoalSeeking:
         self._members: frozenset[NodeId] = frozenset()
         self._members_at = -1  # digest of the rows that the members were read from
         self._offered_from: FloatArray | None = None  # position at which the own row was computed
-        self._decided_on: tuple[int, int, bool] | None = (
-            None  # epoch, digest, patience over: what the goal follows from
-        )
+        # Epoch, digest and whether patience is over: what the goal follows from.
+        self._decided_on: tuple[int, int, bool] | None = None
         self._goal = -1
         self._is_undecided = True
         self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one

@@ -21,9 +21,6 @@ from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
 LabelArray = NDArray[np.int32]
 BoolArray = NDArray[np.bool_]
 
-HOP = 1 << 8
-"""What one hop more takes from a label."""
-
 NUMBER = 1 << 16
 """What the next sequence number adds to a label."""
 
