@@ -7,6 +7,7 @@ import math
 import numpy as np
 import shapely
 
+from bringup.labels import first_few
 from bringup.layout import rally_point
 from bringup.scenario import Scenario
 from mission_computer.plan_making import PlanMaker
@@ -18,7 +19,6 @@ from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 from swarm_sim.scene import Scene
 
-NAMED_MAX = 4  # robots that a one-line error names
 LONGEST_PATH_M = (UNREACHABLE - 1) / 100.0  # robots tell each other costs as whole centimeters in 16 bits
 
 
@@ -93,9 +93,9 @@ def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:
             )
         longest = max(longest, float(costs[has_path].max(initial=0.0)))
     if walled_off:
-        names = ", ".join(robot_name(robot) for robot in sorted(walled_off)[:NAMED_MAX])
+        names = first_few([robot_name(robot) for robot in sorted(walled_off)])
         raise ConfigError(
-            f"no path leads from {names}{', ...' if len(walled_off) > NAMED_MAX else ''} to the shape; "
+            f"no path leads from {names} to the shape; "
             "move the obstacles apart, or start elsewhere (another seed, start.half_side_m, start.positions_m)"
         )
     if longest > LONGEST_PATH_M:

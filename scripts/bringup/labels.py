@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from swarm_msgs_py.types import MISSION, NodeId, robot_name
+from swarm_msgs_py.types import MISSION, NodeId, node_name, robot_name
 
 LISTED_MAX = 12  # nodes that are listed one by one
+NAMED_MAX = 4  # things that a one-line error or reason names
 
 
 def node_list(nodes: Sequence[NodeId]) -> str:
@@ -23,7 +24,12 @@ def node_list(nodes: Sequence[NodeId]) -> str:
     """
     steps = {after - before for before, after in pairwise(nodes)}
     if len(nodes) <= LISTED_MAX or len(steps) != 1 or nodes[-1] == MISSION:
-        return ", ".join("mission computer" if node == MISSION else robot_name(node) for node in nodes)
+        return ", ".join(map(node_name, nodes))
     (step,) = steps
     spacing = "" if step == 1 else f" in steps of {step}"
     return f"{robot_name(nodes[0])} to {robot_name(nodes[-1])}{spacing} ({len(nodes)} robots)"
+
+
+def first_few(names: Sequence[str]) -> str:
+    """Return some names in a line that is short however many there are: the first ones, and ``...`` for the rest."""
+    return ", ".join([*names[:NAMED_MAX], *(["..."] if len(names) > NAMED_MAX else [])])

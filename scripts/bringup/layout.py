@@ -71,7 +71,7 @@ def make_scene(scenario: Scenario) -> Scene:
     explicit = scenario.robots.start.positions_m
     starts = np.array(explicit, dtype=np.float64) if explicit else _drawn(scenario, types, obstacles, bounds)
     _check_edge(starts, types, bounds)
-    sensors = _sensor_carriers(scenario)
+    sensors = sensor_carriers(scenario)
     robots = tuple(
         RobotSpec(
             NodeId(robot),
@@ -132,7 +132,7 @@ def _drawn(
     return points
 
 
-def _sensor_carriers(scenario: Scenario) -> frozenset[int]:
+def sensor_carriers(scenario: Scenario) -> frozenset[int]:
     """Return who carries a position sensor: the share, rounded up, spread over the types; drawn within a type."""
     counts = tuple(group.count for group in scenario.robots.types)
     total = math.ceil(scenario.robots.position_sensor_share * scenario.robots.count)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import time
 
+from bringup.labels import first_few
 from bringup.processes import ProcessGroup
 from bringup.telemetry import Ready
 from swarm_msgs_py.errors import SwarmError
-
-NAMED_MAX = 4  # processes that an error names
 
 
 def await_ready(group: ProcessGroup, deadline_s: float) -> None:
@@ -30,9 +29,7 @@ def await_ready(group: ProcessGroup, deadline_s: float) -> None:
     while waiting:
         left = deadline - time.monotonic()
         if left <= 0.0:
-            names = ", ".join(child.name for child in waiting[:NAMED_MAX]) + (
-                ", ..." if len(waiting) > NAMED_MAX else ""
-            )
+            names = first_few([child.name for child in waiting])
             raise SwarmError(
                 f"{len(waiting)} of {len(group.children)} processes were not ready within {deadline_s:g} s ({names}); "
                 "use fewer processes (--agents-per-process), or see what they log"

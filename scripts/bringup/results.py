@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from bringup.layout import make_scene, robot_types, walls
+from bringup.layout import robot_types, sensor_carriers, walls
 from bringup.scenario import Scenario
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
@@ -227,7 +227,8 @@ def _quality(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarr
 
 def _localization(scenario: Scenario, trace: Trace) -> LocalizationError:
     """Return the error of the robots without position sensor after the warm-up; of all robots if all carry one."""
-    blind = np.array([not robot.has_position_sensor for robot in make_scene(scenario).robots])
+    carriers = sensor_carriers(scenario)
+    blind = np.array([robot not in carriers for robot in range(scenario.robots.count)])
     counts = trace.alive.copy()
     if blind.any():
         counts &= blind[None, :] & (trace.tick_times >= WARM_UP_S)[:, None]

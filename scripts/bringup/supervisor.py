@@ -10,13 +10,12 @@ import numpy as np
 import shapely
 
 from bringup.engine import TickRecord
+from bringup.labels import first_few
 from bringup.scenario import SuccessSpec
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import MISSION, NodeId, robot_name
 from swarm_sim.metrics.settling import settled_samples
-
-NAMED_MAX = 4  # robots that a one-line reason names
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,8 +178,8 @@ class Supervisor:
         )
         if not far:
             return "; not at rest inside the shape"
-        named = ", ".join(
+        named = [
             f"{robot_name(robot)} {-d:.1f} m away" if np.isfinite(d) else f"{robot_name(robot)} without a goal"
-            for d, robot in far[:NAMED_MAX]
-        )
-        return f"; {named}{', ...' if len(far) > NAMED_MAX else ''}"
+            for d, robot in far
+        ]
+        return f"; {first_few(named)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bringup.labels import LISTED_MAX, node_list
+from bringup.labels import LISTED_MAX, first_few, node_list
 from swarm_msgs_py.types import MISSION, NodeId
 
 CASES = {
@@ -26,3 +26,9 @@ def test_nodes_are_named_as_short_as_is_exact(case: str) -> None:
     nodes, expected = CASES[case]
 
     assert node_list([NodeId(number) for number in nodes]) == expected
+
+
+def test_the_first_few_of_many_names_stand_for_all() -> None:
+    assert first_few([]) == ""
+    assert first_few(["a", "b", "c", "d"]) == "a, b, c, d"
+    assert first_few(["a", "b", "c", "d", "e"]) == "a, b, c, d, ..."

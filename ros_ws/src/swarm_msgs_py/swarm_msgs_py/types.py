@@ -27,3 +27,8 @@ IntArray = NDArray[np.int64]
 def robot_name(robot: NodeId) -> str:
     """Return the name, and namespace, of a robot: ``r07``."""
     return f"r{robot:02d}"
+
+
+def node_name(node: NodeId) -> str:
+    """Return what a node is called in messages to people: ``r07``, or ``mission computer``."""
+    return "mission computer" if node == MISSION else robot_name(node)

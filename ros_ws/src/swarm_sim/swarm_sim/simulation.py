@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.step_io import AgentInputs, MissionInputs
-from swarm_msgs_py.types import MISSION, FloatArray, NodeId, robot_name
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId, node_name
 from swarm_sim.config import SimConfig
 from swarm_sim.radio.links import LinkModel, LinkTable
 from swarm_sim.radio.medium import Medium, RadioTraffic
@@ -224,7 +224,7 @@ class Simulation:
         row = self._row[node]
         if not self._alive[row]:
             return
-        logger.info("tick %d: %s died", self._tick, "mission computer" if node == MISSION else robot_name(node))
+        logger.info("tick %d: %s died", self._tick, node_name(node))
         self._alive[row] = False
         self._medium.silence(node)
         self._inboxes[row] = ()

@@ -19,7 +19,7 @@ from mission_computer.shape import load_shape
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
-from swarm_msgs_py.frames import Batch, pack_batch, unpack_batch
+from swarm_msgs_py.frames import Batch, pack_batch
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
@@ -89,7 +89,7 @@ class MissionNode(Node):
         self._goals = channels.publisher(self, topics.GOALS)
         self._markers = channels.publisher(self, topics.MARKERS)
         channels.subscription(self, topics.SHAPE, self._take_shape)
-        channels.decoded_subscription(self, topics.RADIO_RX, _unpacked, self._take_batch, MISSION)
+        channels.decoded_subscription(self, topics.RADIO_RX, convert.decode_frames, self._take_batch, MISSION)
 
     def _take_shape(self, message: PolygonStamped) -> None:
         self._ordered = np.array([[point.x, point.y] for point in message.polygon.points]).reshape(-1, 2)
@@ -107,10 +107,6 @@ class MissionNode(Node):
     def _show(self, seconds: float, plan: Plan) -> None:
         self._goals.publish(views.poses(seconds, plan.goals, np.zeros(len(plan.goals))))
         self._markers.publish(views.plan_markers(seconds, plan))
-
-
-def _unpacked(data: bytes) -> Batch:
-    return unpack_batch(convert.decode_batch(data))
 
 
 def _from_parameters(context: Context) -> MissionNode:

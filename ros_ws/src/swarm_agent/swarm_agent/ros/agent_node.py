@@ -15,7 +15,7 @@ from swarm_agent.config import AgentConfig
 from swarm_agent.input_assembler import InputAssembler
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
-from swarm_msgs_py.frames import Batch, pack_batch, unpack_batch
+from swarm_msgs_py.frames import pack_batch
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
@@ -85,7 +85,7 @@ class AgentNode(Node):
         self._listen(topics.FIX, convert.decode_fix, lambda m: put.put_fix(at(m[0]), m[1]))
         self._listen(topics.RANGES, convert.decode_ranges, lambda m: put.put_ranges(*m))
         self._listen(topics.PROXIMITY, convert.decode_proximity, lambda m: put.put_proximity(at(m[0]), m[1]))
-        self._listen(topics.RADIO_RX, _unpacked, put.put_batch)
+        self._listen(topics.RADIO_RX, convert.decode_frames, put.put_batch)
 
     def _listen(
         self, channel: topics.Channel, decode: Callable[[bytes], Any], put: Callable[[Any], AgentInputs | None]
@@ -120,10 +120,6 @@ class AgentNode(Node):
 
     def _tick_at(self, seconds: float) -> int:
         return convert.tick_at(seconds, self._period)
-
-
-def _unpacked(data: bytes) -> Batch:
-    return unpack_batch(convert.decode_batch(data))
 
 
 def _from_parameters(context: Context) -> AgentNode:

@@ -11,6 +11,7 @@ import struct
 
 import numpy as np
 
+from swarm_msgs_py.frames import Batch, unpack_batch
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.orientation import quaternion_of, yaw_of
@@ -160,3 +161,16 @@ def decode_batch(data: bytes) -> bytes:
         If the message is cut short.
     """
     return cdr.read_byte_array(data)
+
+
+def decode_frames(data: bytes) -> Batch:
+    """Return the radio frames of a ``std_msgs/UInt8MultiArray``, with tick and flags.
+
+    Raises
+    ------
+    MessageError
+        If the message is cut short.
+    FrameError
+        If what it holds is not a batch.
+    """
+    return unpack_batch(decode_batch(data))

@@ -13,7 +13,7 @@ from rclpy.task import Future
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.ros.spin import SLICE_S, spin_for
 from swarm_msgs_py.topics import namespace_of
-from swarm_msgs_py.types import MISSION, NodeId
+from swarm_msgs_py.types import NodeId, node_name
 from swarm_sim.answers import Answers
 from swarm_sim.simulation import TickTruth
 
@@ -188,6 +188,6 @@ class Lockstep:
 
 
 def _named(nodes: tuple[NodeId, ...]) -> str:
-    names = [("mission computer" if node == MISSION else namespace_of(node)) for node in nodes]
+    names = [node_name(node) for node in nodes]
     rest = len(names) - NAMED_MAX
     return ", ".join(names[:NAMED_MAX]) + (f" and {rest} more" if rest > 0 else "")

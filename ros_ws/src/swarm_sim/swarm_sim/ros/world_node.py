@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
-from swarm_msgs_py.frames import Batch, pack_batch, unpack_batch
+from swarm_msgs_py.frames import Batch, pack_batch
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
@@ -88,7 +88,7 @@ class WorldNode(Node):
         for robot in simulation.robots:
             self._listen(topics.CMD_VEL, convert.decode_command, self._take_command, robot)
         for node in (*simulation.robots, MISSION):
-            self._listen(topics.RADIO_TX, _unpacked, self._take_frames, node)
+            self._listen(topics.RADIO_TX, convert.decode_frames, self._take_frames, node)
         channels.subscription(self, topics.KILL_ROBOT, self._take_kill)
         self.create_service(Trigger, topics.PAUSE_SERVICE, lambda _, reply: self._hold(True, reply))
         self.create_service(Trigger, topics.RESUME_SERVICE, lambda _, reply: self._hold(False, reply))
@@ -186,10 +186,6 @@ class WorldNode(Node):
     def _check(self) -> None:
         if self._book.is_complete and not self.answered.done():
             self.answered.set_result(None)
-
-
-def _unpacked(data: bytes) -> Batch:
-    return unpack_batch(convert.decode_batch(data))
 
 
 class _Unattended:
