@@ -8,10 +8,17 @@ from __future__ import annotations
 
 import os
 import pickle
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from _pytest.runner import runtestprotocol
+from leftovers import orphaned, shared_memory, wait_until
+
+from bringup.domain_guard import DomainGuard
+from swarm_msgs_py.errors import ConfigError
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -46,6 +53,29 @@ def _forked_reports(item: pytest.Item) -> list[Any]:
         return [_crash(item, os.waitstatus_to_exitcode(status))]
     hook = item.config.hook
     return [hook.pytest_report_from_serializable(config=item.config, data=plain) for plain in pickle.loads(data)]
+
+
+@pytest.fixture
+def nothing_left(domain_id: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Fail if a child, a temporary file, a file in shared memory or a taken ROS domain outlives the test."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    before = shared_memory()
+    yield
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+    assert list(tmp_path.iterdir()) == []
+    assert orphaned(shared_memory() - before) == set()
+    assert wait_until(lambda: _is_free(domain_id))  # the threads of a killed process end one after the other
+
+
+def _is_free(domain: int) -> bool:
+    guard = DomainGuard(domain)
+    try:
+        guard.acquire()
+    except ConfigError:
+        return False
+    guard.release()
+    return True
 
 
 def _crash(item: pytest.Item, code: int) -> pytest.TestReport:

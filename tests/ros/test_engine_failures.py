@@ -34,6 +34,7 @@ from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
 
 FATAL_TICK = 5
+STOP_DEADLINE_S = 3.0
 STALL_TICK = 12  # beyond the first ticks, which have a longer deadline
 
 
@@ -89,15 +90,35 @@ def test_a_robot_whose_step_raises_is_taken_out_and_its_process_goes_on() -> Non
     assert records[-1].truth.alive.tolist() == [False, True, True, False]
 
 
+def hang() -> None:
+    """Freeze the process here, as a debugger or a machine out of memory does."""
+    os.kill(os.getpid(), signal.SIGSTOP)
+    signal.pause()  # other threads of the process may take the signal first
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_a_process_that_hangs_is_reported_and_does_not_keep_the_swarm_from_stopping() -> None:
+    faults = {1: (STALL_TICK, hang), 3: (STALL_TICK, hang)}
+    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=0.5) as engine:
+        records = list(islice(engine.ticks(), STALL_TICK + 12))
+        stopping = time.monotonic()
+
+    assert time.monotonic() - stopping < STOP_DEADLINE_S
+    assert [line for record in records for line in record.alerts] == [
+        f"r01, r03 did not answer tick {STALL_TICK} in time; not waited for"
+    ]
+    assert records[-1].reports.keys() == {NodeId(0), NodeId(2)}
+
+
 def test_a_process_that_stalls_between_answering_and_reporting_does_not_hold_up_the_records() -> None:
     stepped = []
 
-    def stop_second() -> None:  # whoever of the process comes second: the first has answered and not reported
+    def hang_second() -> None:  # whoever of the process comes second: the first has answered and not reported
         stepped.append(None)
         if len(stepped) == 2:
-            os.kill(os.getpid(), signal.SIGSTOP)
+            hang()
 
-    faults = {1: (STALL_TICK, stop_second), 3: (STALL_TICK, stop_second)}
+    faults = {1: (STALL_TICK, hang_second), 3: (STALL_TICK, hang_second)}
     with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=0.5) as engine:
         records = list(islice(engine.ticks(), STALL_TICK + 12))
 
