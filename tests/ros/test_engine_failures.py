@@ -99,7 +99,7 @@ def hang() -> None:
 @pytest.mark.usefixtures("nothing_left")
 def test_a_process_that_hangs_is_reported_and_does_not_keep_the_swarm_from_stopping() -> None:
     faults = {1: (STALL_TICK, hang), 3: (STALL_TICK, hang)}
-    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=0.5) as engine:
+    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=2.0) as engine:
         records = list(islice(engine.ticks(), STALL_TICK + 12))
         stopping = time.monotonic()
 
@@ -119,7 +119,7 @@ def test_a_process_that_stalls_between_answering_and_reporting_does_not_hold_up_
             hang()
 
     faults = {1: (STALL_TICK, hang_second), 3: (STALL_TICK, hang_second)}
-    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=0.5) as engine:
+    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=2.0) as engine:
         records = list(islice(engine.ticks(), STALL_TICK + 12))
 
     owed = [line for record in records for line in record.alerts if "did not report" in line]
@@ -130,17 +130,17 @@ def test_a_process_that_stalls_between_answering_and_reporting_does_not_hold_up_
 
 
 def test_a_world_that_hangs_ends_the_run_with_one_line() -> None:
-    with RosEngine(SmallSwarm(2), agents_per_process=2, world_deadline_s=2.5) as engine:
+    with RosEngine(SmallSwarm(2), agents_per_process=2, world_deadline_s=4.0) as engine:
         ticks = engine.ticks()
         list(islice(ticks, 3))
         os.kill(next(child.pid for child in engine._group.children if child.name == "world"), signal.SIGSTOP)
 
-        with pytest.raises(SwarmError, match=r"^world \(process \d+\) hangs: no sign of life for 2.5 s; without it"):
+        with pytest.raises(SwarmError, match=r"^world \(process \d+\) hangs: no sign of life for 4 s; without it"):
             list(islice(ticks, 1000))
 
 
 def test_a_paused_world_is_not_taken_for_one_that_hangs(monkeypatch: pytest.MonkeyPatch) -> None:
-    with RosEngine(SmallSwarm(2), agents_per_process=2, world_deadline_s=1.5) as engine:
+    with RosEngine(SmallSwarm(2), agents_per_process=2, world_deadline_s=4.0) as engine:
         ticks = engine.ticks()
         list(islice(ticks, 3))
         for name in PROFILE_VARIABLES:
@@ -151,7 +151,7 @@ def test_a_paused_world_is_not_taken_for_one_that_hangs(monkeypatch: pytest.Monk
                 ros.wait(client.service_is_ready, service)
                 reply = client.call_async(Trigger.Request())
                 ros.wait(reply.done, f"a reply of {service}")
-                until = time.monotonic() + 4.0
+                until = time.monotonic() + 6.0
                 while service == topics.PAUSE_SERVICE and time.monotonic() < until:
                     engine._listen()  # raises if the world is given up
         list(islice(ticks, 20))

@@ -154,7 +154,7 @@ def test_a_robot_that_does_not_answer_costs_one_deadline_and_is_named(swarm: Liv
     mute = NodeId(1)
     swarm.ros.executor.remove_node(swarm.agents[mute])
 
-    results = swarm.run(5, PaceConfig(deadline_s=0.3, first_deadline_s=0.3)).results
+    results = swarm.run(5, PaceConfig(deadline_s=1.0, first_deadline_s=1.0)).results
 
     assert [result.alerts for result in results if result.alerts] == [
         ("r01 did not answer tick 2 in time; not waited for",)
@@ -167,7 +167,7 @@ def test_a_robot_that_is_heard_again_is_waited_for_again(swarm: LiveSwarm) -> No
     aside = EventsExecutor(context=swarm.ros.context)  # runs the robot when the test says so
     swarm.ros.executor.remove_node(swarm.agents[late])
     aside.add_node(swarm.agents[late])
-    pace = PaceConfig(deadline_s=0.3, first_deadline_s=0.3)
+    pace = PaceConfig(deadline_s=1.0, first_deadline_s=1.0)
 
     swarm.run(2, pace)
     deadline = time.monotonic() + DEADLINE_S
