@@ -33,14 +33,11 @@ from swarm_msgs_py.types import NodeId
 from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
 
+pytestmark = pytest.mark.usefixtures("domain_id")
+
 FATAL_TICK = 5
 STOP_DEADLINE_S = 3.0
 STALL_TICK = 12  # beyond the first ticks, which have a longer deadline
-
-
-@pytest.fixture(autouse=True)
-def own_domain(domain_id: int) -> int:
-    return domain_id
 
 
 class FaultyAgent:

@@ -20,16 +20,13 @@ from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.environment import use_loopback
 from swarm_msgs_py.types import MISSION, NodeId
 
-DEADLINE_S = 5.0
+pytestmark = pytest.mark.usefixtures("domain_id")
 
-
-@pytest.fixture(autouse=True)
-def own_domain(domain_id: int) -> int:
-    return domain_id
+NAMED_DEADLINE_S = 1.0
 
 
 def engine_of(count: int, per_process: int) -> RosEngine:
-    return RosEngine(SmallSwarm(count), agents_per_process=per_process, deadline_s=DEADLINE_S)
+    return RosEngine(SmallSwarm(count), agents_per_process=per_process, deadline_s=5.0)
 
 
 def pid_of(engine: RosEngine, name: str) -> int:
@@ -68,7 +65,7 @@ def test_a_killed_process_is_named_and_the_others_go_on() -> None:
         later = list(islice(ticks, 12))
 
     assert all(record.lost == frozenset() for record in first)
-    assert named_after < DEADLINE_S / 2  # the end of the process is seen; no deadline is waited for
+    assert named_after < NAMED_DEADLINE_S
     assert later[-1].lost == {NodeId(1), NodeId(3)}
     assert later[-1].reports.keys() == {NodeId(0), NodeId(2)}
     assert later[-1].truth.alive.tolist() == [True, False, True, False]
@@ -155,11 +152,11 @@ def test_an_actor_that_cannot_be_made_stops_the_start_with_its_reason() -> None:
         RosEngine(Broken(2), agents_per_process=2).__enter__()
 
 
-def test_a_second_swarm_in_the_same_domain_is_refused_with_the_way_out(own_domain: int) -> None:
-    guard = DomainGuard(own_domain)
+def test_a_second_swarm_in_the_same_domain_is_refused_with_the_way_out(domain_id: int) -> None:
+    guard = DomainGuard(domain_id)
     guard.acquire()
     try:
-        with pytest.raises(ConfigError, match=rf"domain {own_domain} is in use by the swarm of process {os.getpid()}"):
+        with pytest.raises(ConfigError, match=rf"domain {domain_id} is in use by the swarm of process {os.getpid()}"):
             engine_of(2, 2).__enter__()
     finally:
         guard.release()
