@@ -27,7 +27,8 @@ def main(robots: int, ticks: int) -> None:
         said = []
         for index, node in enumerate(nodes):
             inbox = [frame for other, outbox in enumerate(outboxes) if other != index for frame in outbox]
-            presence = Presence(np.array([index, 0.1 * tick]), np.zeros(2), 0.02, 1, True, 3, 1, 77)
+            position = np.array([index, 0.1 * tick])
+            presence = Presence(position, np.zeros(2), 4e-4 * np.eye(2), 0.0, tick, 1, True, 3, 1, 77)
             start = thread_time()
             node.receive(tick, inbox)
             middle = thread_time()

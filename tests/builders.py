@@ -10,6 +10,7 @@ import numpy as np
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.step_io import AgentInputs
@@ -36,6 +37,23 @@ def make_agent_inputs(tick: int = 0, **changes: Any) -> AgentInputs:
         inbox=(),
     )
     return replace(inputs, **changes)
+
+
+def make_presence(x: float = 0.0, y: float = 0.0, sigma: float = 0.1, **changes: Any) -> Presence:
+    """Return the presence of a beacon of type 1 at rest, without a plan."""
+    presence = Presence(
+        position=np.array([x, y]),
+        velocity=np.zeros(2),
+        covariance=np.diag([sigma**2, sigma**2]),
+        shared=0.0,
+        tick=0,
+        robot_type=1,
+        is_beacon=True,
+        mode=0,
+        epoch=0,
+        digest=0,
+    )
+    return replace(presence, **changes)
 
 
 def make_plan(goals: FloatArray, types: list[int] | None = None, epoch: int = 1) -> Plan:

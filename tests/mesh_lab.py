@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from builders import make_presence
 from oracles import find_cycle
 
-from swarm_msgs_py.messages.radio import Delivery, Presence
+from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import NodeId
 
 PERIOD_S = 0.5
-
-
-def make_presence(x: float = 0.0, epoch: int = 0) -> Presence:
-    return Presence(np.array([x, 0.0]), np.zeros(2), 0.1, 1, False, 0, epoch, 0)
 
 
 class MeshLab:

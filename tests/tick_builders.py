@@ -9,7 +9,7 @@ import numpy as np
 from bringup.engine import TickRecord
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.radio import RadioCounters
-from swarm_msgs_py.messages.report import AgentReport, Mode
+from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode, Positioning
 from swarm_msgs_py.types import NodeId
 from swarm_sim.simulation import RadioTraffic, TickTruth
 
@@ -31,6 +31,15 @@ def make_report(position: Sequence[float], goal: int, mode: Mode = Mode.PARKED) 
         covariance=np.eye(2),
         yaw=0.0,
         mode=mode,
+        localization=LocalizationReport(
+            Positioning.LOCALIZED,
+            lost_by_beacons=False,
+            lost_by_sigma=False,
+            shared=0.0,
+            accepted=0,
+            rejected=0,
+            disagreements=0,
+        ),
         epoch=1,
         goal=goal,
         path=np.empty((0, 2)),
@@ -69,7 +78,7 @@ def make_tick(
         sample_velocities=np.tile(velocities, (SAMPLES, 1, 1)),
         min_clearance=clearance,
         overlaps=overlaps,
-        radio=RadioTraffic(frames=count, bytes=10 * count, peak_bps=160.0, dropped=1),
+        radio=RadioTraffic(frames=count, bytes=10 * count, peak_bps=160.0, neighborhood_bps=240.0, dropped=1),
     )
     wanted = range(count) if goals is None else goals
     reports = {NodeId(robot): make_report(points[robot], goal) for robot, goal in enumerate(wanted) if alive[robot]}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from bringup.layout import make_scene, rally_point, robot_types
+from bringup.layout import make_scene, rally_point, robot_types, told_start
 from bringup.resolution import contour_of
 from bringup.scenario import Scenario
 from mission_computer.config import MissionConfig
@@ -48,8 +48,11 @@ class ScenarioActors:
 
     @property
     def world_config(self) -> SimConfig:
-        """Settings of the world."""
-        return self.scenario.sim
+        """Settings of the world; it ranges as often as robots localize unless the scenario says otherwise."""
+        sim = self.scenario.sim
+        if sim.ranging.period_s is not None:
+            return sim
+        return replace(sim, ranging=replace(sim.ranging, period_s=self.scenario.agent.lps.period_s))
 
     @property
     def mission_config(self) -> MissionConfig:
@@ -64,7 +67,7 @@ class ScenarioActors:
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""
-        return Simulation(self.scenario.sim, self.scene, self.scenario.seed)
+        return Simulation(self.world_config, self.scene, self.scenario.seed, self.scenario.deaths)
 
     def mission(self) -> Mission:
         """Make the mission computer; it is ordered the scenario's shape."""
@@ -79,6 +82,7 @@ class ScenarioActors:
         )
 
     def agent(self, robot: NodeId) -> Agent:
-        """Make one robot's agent. It knows the map, as the operator loads it before the start, and no position."""
+        """Make one robot's agent. It knows the map and roughly its start point, as the operator tells it before."""
         kind = self.scene.robots[robot].type
-        return Agent(robot, self.agent_config, kind, self.period_s, self.scene.obstacles)
+        start = told_start(self.scenario, self.scene, robot)
+        return Agent(robot, self.agent_config, kind, self.period_s, self.scene.obstacles, start)

@@ -53,6 +53,34 @@ def check_margins(scenario: Scenario) -> None:
         )
 
 
+def check_events(scenario: Scenario) -> None:
+    """Refuse events that cannot happen: after the end, to robots that are not there, or to one that is dead by then.
+
+    Raises
+    ------
+    ConfigError
+        Naming the event.
+    """
+    count, seen = scenario.robots.count, set[int]()
+    for number, event in enumerate(scenario.events):
+        if event.at_s >= scenario.duration_s:
+            raise ConfigError(
+                f"events[{number}].at_s: {event.at_s:g} s is not before the time limit of {scenario.duration_s:g} s; "
+                "lower it, or raise duration_s"
+            )
+        for robot in event.kill:
+            name = robot_name(NodeId(robot))
+            if robot >= count:
+                raise ConfigError(f"events[{number}].kill: there is no {name}; the robots are r00 to {_last_of(count)}")
+            if robot in seen:
+                raise ConfigError(f"events[{number}].kill: {name} is killed twice; remove it here or there")
+            seen.add(robot)
+
+
+def _last_of(count: int) -> str:
+    return robot_name(NodeId(count - 1))
+
+
 def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacles: tuple[FloatArray, ...]) -> Plan:
     """Return the plan that the mission computer will make first.
 

@@ -8,7 +8,7 @@ from threading import Event
 
 from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
 from swarm_msgs_py.types import MISSION, NodeId
-from swarm_sim.simulation import Simulation
+from swarm_sim.simulation import Simulation, death_line
 
 
 class InProcessEngine:
@@ -65,6 +65,7 @@ class InProcessEngine:
     def _tick(self, simulation: Simulation, mission: MissionActor) -> TickRecord:
         """Let everybody answer one tick, then let the world move on."""
         seen = simulation.observe()
+        deaths = tuple(map(death_line, simulation.take_died()))
         orders = mission.step(seen.mission)
         outputs = {robot: self._agents[robot].step(inputs) for robot, inputs in sorted(seen.agents.items())}
         simulation.apply(
@@ -77,6 +78,6 @@ class InProcessEngine:
             reports={robot: output.report for robot, output in outputs.items()},
             mission=orders.report,
             plan=orders.plan,
-            alerts=(orders.report.notice,) if orders.report.notice else (),
+            alerts=(*deaths, orders.report.notice) if orders.report.notice else deaths,
             lost=frozenset(self._actors.robots) - frozenset(seen.agents),
         )

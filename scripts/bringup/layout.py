@@ -9,6 +9,7 @@ import shapely
 
 from bringup.scenario import Scenario, rescaled_counts
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
@@ -85,6 +86,15 @@ def make_scene(scenario: Scenario) -> Scene:
     scene = Scene(robots, obstacles, bounds, scenario.mission.position_m)
     check_scene(scene)
     return scene
+
+
+def told_start(scenario: Scenario, scene: Scene, robot: NodeId) -> PositionFix | None:
+    """Return where a robot is told to stand at the start: the truth and an error drawn from the seed (erratum E14)."""
+    sigma = scenario.robots.start.known_within_m
+    if sigma is None:
+        return None
+    error = rng_for(scenario.seed, "told-start", robot).normal(size=2) * sigma
+    return PositionFix(np.array(scene.robots[robot].position) + error, sigma)
 
 
 def _check_edge(starts: FloatArray, types: tuple[RobotType, ...], bounds: tuple[float, float, float, float]) -> None:

@@ -117,7 +117,7 @@ def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
         ("total displacement", displacement),
         ("collisions", f"{metrics.collisions} (least gap {_number(metrics.min_clearance_m, 'm', 3)})"),
         ("localization error", f"{_number(metrics.localization_rmse_m, 'm', 3)} rms"),
-        ("radio", f"{traffic}, peak {metrics.radio_peak_bps / 1e3:.0f} kbit/s"),
+        ("radio", f"{traffic}, peak {metrics.radio_neighborhood_peak_bps / 1e3:.0f} kbit/s in a neighborhood"),
         ("speed", f"{_number(metrics.real_time_factor, 'x real time')}, start-up {_number(metrics.startup_s, 's')}"),
     ]
 

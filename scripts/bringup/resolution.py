@@ -11,7 +11,7 @@ from pathlib import Path
 
 import shapely
 
-from bringup.cross_checks import check_margins, check_rally_point, check_reach, check_size, first_plan
+from bringup.cross_checks import check_events, check_margins, check_rally_point, check_reach, check_size, first_plan
 from bringup.layout import make_scene, robot_types, walls
 from bringup.scenario import MapSpec, Scenario, ShapeSpec
 from bringup.scenario_file import Origin
@@ -38,6 +38,8 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         scenario = replace(scenario, map=_resolved_map(scenario.map))
         assert scenario.map.bounds_m is not None  # just resolved
         check_size(scenario.map.bounds_m)
+    with _blamed(origin, "events"):
+        check_events(scenario)
     with _blamed(origin, "mission.partition.gaps"):
         check_margins(scenario)
     with _blamed(origin, "shape"):

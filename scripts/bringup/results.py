@@ -12,7 +12,8 @@ from bringup.scenario import Scenario
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.messages.report import Positioning
+from swarm_msgs_py.types import BoolArray, FloatArray
 from swarm_sim.metrics.displacement import displacement_bound, path_lengths
 from swarm_sim.metrics.localization import LocalizationError, localization_error
 from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
@@ -91,6 +92,7 @@ class FormationMetrics:
     radio_frames: int
     radio_bytes: int
     radio_peak_bps: float
+    radio_neighborhood_peak_bps: float
     lost_robots: int
 
     mesh_topological: float | None
@@ -102,6 +104,9 @@ class FormationMetrics:
     inside_fraction: float | None
     speed_p90_m_s: float | None
     localization_p99_m: float | None
+    localization_consistent: float | None
+    localization_rmse_heard_m: float | None
+    localization_rmse_lost_m: float | None
     radio_dropped_frames: int
     mesh_topological_interior: float | None
     mesh_geometrical_cells: float | None
@@ -124,7 +129,9 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
     # A shape that changed on the way cost more than the last one needs; there is no fair bound for it.
     bound, longest = (None, None) if outcome.supervisor.has_changed_shape else _bound(scenario, trace, plan, live)
     quality = _quality(scenario, trace, plan, live)
-    localization = _localization(scenario, trace)
+    blind = _blind(scenario, trace)
+    localization = _localization(trace, blind)
+    heard, lost = trace.beacons >= scenario.agent.lps.lost.beacons_min, trace.positioning > Positioning.LOCALIZED
     sim_time = len(trace.tick_times) * scenario.sim.period_s
     return FormationMetrics(
         scenario=scenario.name,
@@ -151,6 +158,7 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         radio_frames=totals.radio_frames,
         radio_bytes=totals.radio_bytes,
         radio_peak_bps=totals.radio_peak_bps,
+        radio_neighborhood_peak_bps=totals.radio_neighborhood_peak_bps,
         lost_robots=int((~live).sum()),
         mesh_topological=quality.topological if quality else None,
         mesh_geometrical=quality.geometrical if quality else None,
@@ -160,6 +168,9 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         inside_fraction=rest.inside_fraction if rest else None,
         speed_p90_m_s=rest.speed_p90 if rest else None,
         localization_p99_m=localization.p99,
+        localization_consistent=localization.consistent,
+        localization_rmse_heard_m=_localization(trace, blind & heard).rmse,
+        localization_rmse_lost_m=_localization(trace, blind & lost).rmse,
         radio_dropped_frames=totals.radio_dropped,
         mesh_topological_interior=quality.topological_interior if quality else None,
         mesh_geometrical_cells=quality.geometrical_cells if quality else None,
@@ -225,11 +236,14 @@ def _quality(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarr
     return mesh_quality(trace.positions[-1, live], radii[live], plan.contour)
 
 
-def _localization(scenario: Scenario, trace: Trace) -> LocalizationError:
-    """Return the error of the robots without position sensor after the warm-up; of all robots if all carry one."""
+def _blind(scenario: Scenario, trace: Trace) -> BoolArray:
+    """Return, (t, n), the live robots without position sensor after the warm-up; all live ones if all carry one."""
     carriers = sensor_carriers(scenario)
     blind = np.array([robot not in carriers for robot in range(scenario.robots.count)])
-    counts = trace.alive.copy()
-    if blind.any():
-        counts &= blind[None, :] & (trace.tick_times >= WARM_UP_S)[:, None]
-    return localization_error(trace.estimates, trace.tick_positions, counts)
+    if not blind.any():
+        return trace.alive
+    return trace.alive & blind[None, :] & (trace.tick_times >= WARM_UP_S)[:, None]
+
+
+def _localization(trace: Trace, counts: BoolArray) -> LocalizationError:
+    return localization_error(trace.estimates, trace.covariances, trace.tick_positions, counts)

@@ -90,7 +90,7 @@ def trajectory_arrays(scenario: Scenario, trace: Trace, plan: Plan | None) -> Ma
     """Return what ``trajectories.npz`` holds, by name; SI units, rows in the order of robot ids.
 
     Motion samples: ``time`` (s,), ``position``, ``velocity`` (s, n, 2). Ticks: ``tick_time`` (t,), ``yaw``, ``alive``,
-    ``mode``, ``goal`` (t, n), ``estimate`` (t, n, 2). Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,).
+    ``mode``, ``goal``, ``positioning``, ``beacons`` (t, n), ``estimate`` (t, n, 2), ``covariance`` (t, n, 2, 2). Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,).
     Final plan: ``contour`` (k, 2), ``goals`` (g, 2), ``goal_type`` (g,). Obstacles: all corners in ``obstacle_corners``
     (c, 2), of which obstacle i has ``obstacle_sizes[i]``.
     """
@@ -106,6 +106,9 @@ def trajectory_arrays(scenario: Scenario, trace: Trace, plan: Plan | None) -> Ma
         "mode": trace.modes,
         "goal": trace.goals,
         "estimate": trace.estimates,
+        "covariance": trace.covariances,
+        "positioning": trace.positioning,
+        "beacons": trace.beacons,
         "robot": np.array(trace.robots, dtype=np.int64),
         "robot_type": np.array([kind.type for kind in types], dtype=np.int64),
         "coverage_radius": np.array([kind.coverage_radius_m for kind in types]),

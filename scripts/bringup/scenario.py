@@ -13,6 +13,7 @@ from swarm_agent.config import AgentConfig
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import NodeId
 from swarm_sim.config import SimConfig
 
 
@@ -85,6 +86,10 @@ class StartSpec(Config):
 
     half_side_m: float = setting(45.0, "uniform in |x|, |y| <= this, drawn from the seed", unit="m", above=0.0)
     gap_m: float = setting(0.3, "least free gap to robots, obstacles and the arena's edge", unit="m", minimum=0.0)
+    known_within_m: float | None = setting(
+        2.0, "each robot is told its start point with this standard deviation per axis; null: it is told nothing",
+        unit="m", above=0.0,
+    )  # fmt: skip
     positions_m: tuple[tuple[float, float], ...] | None = setting(
         None, "instead: one [x, y] per robot, in the order of the types", unit="m"
     )
@@ -97,8 +102,9 @@ class RobotsSpec(Config):
     types: tuple[RobotGroup, ...] = setting(help="one entry per robot type, with its count")
     start: StartSpec = section(StartSpec, "start points")
     position_sensor_share: float = setting(
-        1.0, "share of the robots that carry a position sensor, spread over the types", minimum=0.0, maximum=1.0
-    )
+        0.15, "share of the robots that carry a position sensor, spread over the types (thesis section 4.2)",
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Check that there are robots, that types are told once, and that start points fit the robots."""
@@ -121,6 +127,14 @@ class RobotsSpec(Config):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EventSpec(Config):
+    """Something that befalls the swarm during a run."""
+
+    at_s: float = setting(help="when: from the first tick that begins then or later", unit="s", minimum=0.0)
+    kill: tuple[int, ...] = setting(help="robots whose electronics die; their bodies stay where they are", minimum=0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SuccessSpec(Config):
     """When the mission counts as achieved, on true states (spec 14.4)."""
 
@@ -128,7 +142,10 @@ class SuccessSpec(Config):
         0.01, "robots below this speed are at rest (thesis eq. (4.1))", unit="m/s", above=0.0
     )
     hold_s: float = setting(3.0, "how long all must be at rest inside the shape", unit="s", minimum=0.0)
-    goal_tolerance_m: float = setting(0.25, "largest distance of a robot from its goal", unit="m", above=0.0)
+    goal_tolerance_m: float = setting(
+        1.0, "largest distance of a robot from its goal: three standard deviations of a position from ranges",
+        unit="m", above=0.0,
+    )  # fmt: skip
     live_share_min: float = setting(
         0.75, "share of the robots that must live; a shape with fewer is not the shape", minimum=0.0, maximum=1.0
     )
@@ -146,6 +163,7 @@ class Scenario(Config):
     shape: ShapeSpec = setting(help="the contour to form")
     map: MapSpec = setting(help="the arena")
     robots: RobotsSpec = setting(help="the swarm")
+    events: tuple[EventSpec, ...] = setting((), "what befalls the swarm, e.g. [{at_s: 30.0, kill: [3, 7]}]")
     success: SuccessSpec = section(SuccessSpec, "when the mission is achieved")
     sim: SimConfig = section(SimConfig, "the world")
     agent: AgentConfig = section(AgentConfig, "every robot's software")
@@ -161,6 +179,15 @@ class Scenario(Config):
     def method(self) -> str:
         """Method by which the family does its work, as metrics and the command line name it."""
         return self.mission.partition.method.value
+
+    @property
+    def deaths(self) -> dict[NodeId, int]:
+        """The tick from which on a robot is dead, for the robots that the events kill."""
+        return {
+            NodeId(robot): math.ceil(event.at_s / self.sim.period_s - 1e-9)
+            for event in self.events
+            for robot in event.kill
+        }
 
 
 def rescaled_counts(counts: tuple[int, ...], total: int) -> tuple[int, ...]:

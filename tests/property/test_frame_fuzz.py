@@ -18,19 +18,41 @@ from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, 
 
 u8, u16, u32 = (st.integers(0, 2**bits - 1) for bits in (8, 16, 32))
 float32 = st.floats(-1e6, 1e6, width=32)
+centimeters = st.integers(-32_000, 32_000).map(lambda number: number / 100.0)  # what a plan keeps exactly
 
 
 def points(smallest: int = 0) -> st.SearchStrategy[np.ndarray]:
-    return st.integers(smallest, 6).flatmap(lambda n: arrays(np.float64, (n, 2), elements=float32))
+    return st.integers(smallest, 6).flatmap(lambda n: arrays(np.float64, (n, 2), elements=centimeters))
 
 
 def integers(limit: int, count: int) -> st.SearchStrategy[np.ndarray]:
     return arrays(np.int64, count, elements=st.integers(0, limit))
 
 
-vectors = arrays(np.float64, 2, elements=float32)
+millimeters, millimeters_per_second = st.integers(-(10**9), 10**9), st.integers(-32767, 32767)
+sigmas = st.integers(0, 65535)
+
+
+def covariance_of(x: int, y: int, correlation: int) -> np.ndarray:
+    """Return what a hello can say exactly: standard deviations in millimeters, correlation in steps of 1/127."""
+    east, north = x / 1000.0, y / 1000.0
+    cross = correlation / 127 * east * north if x and y else 0.0
+    return np.array([[east**2, cross], [cross, north**2]])
+
+
+covariances = st.builds(covariance_of, sigmas, sigmas, st.integers(-127, 127))
 presences = st.builds(
-    Presence, vectors, vectors, st.floats(0, 1e6, width=32), u8, st.booleans(), mode=u8, epoch=u32, digest=u32
+    Presence,
+    arrays(np.int64, 2, elements=millimeters).map(lambda n: n / 1000.0),
+    arrays(np.int64, 2, elements=millimeters_per_second).map(lambda n: n / 1000.0),
+    covariances,
+    st.integers(0, 255).map(lambda n: n / 255),
+    u16,
+    u8,
+    st.booleans(),
+    mode=u8,
+    epoch=u32,
+    digest=u32,
 )
 route_rows = st.integers(0, 8).flatmap(
     lambda n: st.builds(RouteRows, integers(65535, n), integers(255, n), integers(65535, n))
@@ -47,7 +69,7 @@ plans = st.integers(0, 5).flatmap(
         u32,
         points(),
         st.lists(points(), max_size=3).map(tuple),
-        arrays(np.float64, (n, 2), elements=float32),
+        arrays(np.float64, (n, 2), elements=centimeters),
         integers(255, n),
     )
 )
@@ -87,6 +109,19 @@ def test_every_body_comes_back_as_it_was_sent(body: Plan | CostRow | RowRequest 
     assert encode_body(decode_body(data)) == data
 
 
+@given(st.lists(st.tuples(float32, float32), min_size=1, max_size=6))
+def test_a_plan_of_any_extent_is_rounded_once_and_then_stays(places: list[tuple[float, float]]) -> None:
+    sent = Plan(1, np.array(places), (), np.empty((0, 2)), np.empty(0, dtype=np.int64))
+
+    data = encode_body(sent)
+    heard = decode_body(data)
+
+    assert isinstance(heard, Plan)
+    step = max(0.01, 2.0 * float(np.ptp(sent.contour, axis=0).max()) / 65535)
+    assert np.abs(heard.contour - sent.contour).max() <= step
+    assert encode_body(heard) == data
+
+
 @given(st.binary(max_size=120))
 def test_random_bytes_never_do_more_than_raise_a_frame_error(data: bytes) -> None:
     for decode in (decode_frame, decode_body, unpack_batch):
@@ -109,8 +144,12 @@ def test_random_payload_under_a_valid_checksum_is_decoded_exactly_or_refused(
         return
     assert frame.source == source
     if isinstance(frame, Hello):
-        assert np.isfinite(frame.presence.position).all()
-        assert np.isfinite(frame.presence.velocity).all()
+        presence = frame.presence
+        assert np.isfinite(presence.belief).all()
+        assert np.abs(presence.position).max() <= 1e6
+        assert 0.0 <= presence.shared <= 1.0
+        assert np.array_equal(presence.covariance, presence.covariance.T)
+        assert np.linalg.eigvalsh(presence.covariance).min() >= -1e-9 * max(1.0, float(presence.covariance.max()))
 
 
 @given(st.integers(1, 5), st.binary(max_size=80))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from builders import make_agent, make_agent_inputs, make_plan
+from builders import make_agent, make_agent_inputs, make_plan, make_presence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -17,7 +17,7 @@ from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import encode_frame
 from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
-from swarm_msgs_py.messages.radio import Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.step_io import MissionInputs
@@ -62,7 +62,9 @@ presences = st.builds(
     Presence,
     arrays(np.float64, 2, elements=coordinates),
     arrays(np.float64, 2, elements=coordinates),
-    st.sampled_from([0.0, 1.0, float("inf")]),
+    st.sampled_from([0.0, 1.0, SIGMA_UNKNOWN]).map(lambda sigma: sigma**2 * np.eye(2)),
+    st.sampled_from([0.0, 0.5, 1.0]),
+    st.integers(0, 2**32),
     types,
     st.booleans(),
     types,
@@ -94,7 +96,7 @@ utterances = st.lists(st.tuples(presences, st.lists(records, max_size=3)), min_s
 @given(said=utterances)
 def test_a_robot_survives_any_record_and_takes_the_next_plan(said: list[tuple[Presence, list[Body]]]) -> None:
     agent, stranger = make_agent(1), Stranger()
-    calm = Presence(np.zeros(2), np.zeros(2), 0.1, 1, True, 0, 0, 0)
+    calm = make_presence()
     inboxes = [stranger.frames(calm, [make_plan(SQUARE[:2])]), *(stranger.frames(*words) for words in said), (), ()]
     epoch = 0
     for tick, inbox in enumerate(inboxes):
@@ -129,7 +131,7 @@ def test_a_mission_computer_survives_any_record_and_its_next_plan_is_one_that_ro
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(numbers=st.lists(st.floats(width=32), min_size=4, max_size=4))
 def test_what_is_no_place_never_leaves_or_enters_a_radio(numbers: list[float]) -> None:
-    presence = Presence(np.array(numbers[:2]), np.array(numbers[2:]), 0.1, 1, True, 0, 0, 0)
+    presence = make_presence(position=np.array(numbers[:2]), velocity=np.array(numbers[2:]))
     is_place = bool((np.abs(numbers) <= 1e6).all())
 
     try:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.rows import RowBook
-from swarm_msgs_py.messages.bodies import CostRow, Plan
+from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan
 from swarm_msgs_py.types import NodeId
 
 GOALS = 2
@@ -88,3 +91,100 @@ def test_a_withdrawn_row_takes_its_robot_out_of_the_assignment() -> None:
     book.put(make_row(0, 2, length=0))
 
     assert [row.robot for row in book.of_type(1)] == [1]
+
+
+def test_a_withdrawn_robot_has_answered() -> None:
+    book = make_book(make_row(0, 1), make_row(1, 1, length=0))
+
+    assert book.answered(1) == 2
+    assert book.answered(2) == 0
+
+
+@st.composite
+def sets_of_rows(draw: st.DrawFn) -> tuple[int, list[CostRow]]:
+    """Return a number of goals and rows for them: costs, reservations of one goal, and withdrawn robots."""
+    goals = draw(st.integers(1, 6))
+    cost = st.one_of(st.integers(0, 9000), st.just(UNREACHABLE))
+    rows = []
+    for robot in range(draw(st.integers(0, 8))):
+        reserved = draw(st.integers(0, goals - 1))
+        kinds = [
+            np.array(draw(st.lists(cost, min_size=goals, max_size=goals))),
+            np.where(np.arange(goals) == reserved, 0, UNREACHABLE),
+            np.empty(0, dtype=np.int64),
+        ]
+        rows.append(CostRow(1, NodeId(robot), 1, 1, kinds[draw(st.integers(0, 2))]))
+    return goals, rows
+
+
+def book_with(goals: int, rows: list[CostRow]) -> RowBook:
+    book = RowBook()
+    book.adopt(replace(make_plan(), goals=np.zeros((goals, 2)), goal_types=np.ones(goals, dtype=np.int64)))
+    for row in rows:
+        book.put(row)
+    return book
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(drawn=sets_of_rows(), random=st.randoms(use_true_random=False))
+def test_whatever_the_rows_and_their_order_no_goal_is_given_twice_or_without_a_path(
+    drawn: tuple[int, list[CostRow]], random: object
+) -> None:
+    goals, rows = drawn
+    shuffled = list(rows)
+    random.shuffle(shuffled)  # type: ignore[attr-defined]
+
+    taken = assign(book_with(goals, rows).of_type(1))
+
+    assert taken == assign(book_with(goals, shuffled).of_type(1))
+    assert len(set(taken.values())) == len(taken)
+    costs = {row.robot: row.costs for row in rows}
+    assert all(costs[robot][goal] != UNREACHABLE for robot, goal in taken.items())
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 10**6), size=st.integers(1, 7), away=st.sets(st.integers(0, 6), max_size=4))
+def test_robots_that_withdraw_and_keep_their_goals_change_nobody_elses_costs(
+    seed: int, size: int, away: set[int]
+) -> None:
+    costs = np.random.default_rng(seed).integers(0, 9000, (size, size))
+    rows = [CostRow(1, NodeId(robot), 1, 1, costs[robot]) for robot in range(size)]
+    before = assign(book_with(size, rows).of_type(1))
+    left = [
+        replace(row, version=2, costs=np.where(np.arange(size) == before[row.robot], 0, UNREACHABLE))
+        if row.robot in away
+        else row
+        for row in rows
+    ]
+
+    after = assign(book_with(size, left).of_type(1))
+
+    assert {robot: after[robot] for robot in after if robot in away} == {
+        robot: before[robot] for robot in before if robot in away
+    }
+    stayed = [robot for robot in before if robot not in away]
+    assert sum(costs[robot, after[robot]] for robot in stayed) == sum(costs[robot, before[robot]] for robot in stayed)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 10**6), size=st.integers(2, 7))
+def test_fresh_rows_of_robots_on_their_way_move_nobody_in_any_mixture(seed: int, size: int) -> None:
+    rng = np.random.default_rng(seed)
+    starts, goals = rng.uniform(-40, 40, (size, 2)), rng.uniform(-10, 10, (size, 2))
+    distances = np.linalg.norm(starts[:, None] - goals, axis=2)
+    old = [CostRow(1, NodeId(robot), 1, 1, np.rint(distances[robot] * 100)) for robot in range(size)]
+    before = assign(book_with(size, old).of_type(1))
+    driven = starts + rng.uniform(0, 1, (size, 1)) * (goals[[before[NodeId(robot)] for robot in range(size)]] - starts)
+    fresh = np.linalg.norm(driven[:, None] - goals, axis=2) * 100
+    fresh[np.arange(size), [before[NodeId(robot)] for robot in range(size)]] -= 50  # what a row says for the own goal
+    mixed = [
+        replace(row, version=2, costs=np.rint(np.maximum(fresh[row.robot], 0))) if rng.random() < 0.5 else row
+        for row in old
+    ]
+
+    after = assign(book_with(size, mixed).of_type(1))
+
+    def total(taken: dict[NodeId, int]) -> float:
+        return sum(float(mixed[robot].costs[goal]) for robot, goal in taken.items())
+
+    assert total(before) - total(after) <= size + 1  # no more than rounding to whole centimeters can make

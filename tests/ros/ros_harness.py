@@ -63,11 +63,11 @@ class RosHarness:
 
 
 @contextmanager
-def harness() -> Iterator[RosHarness]:
+def harness(*arguments: str) -> Iterator[RosHarness]:
     """Start ROS for one test, as the engine does: without a file that could be left behind."""
     with TemporaryDirectory() as folder:
         use_loopback(os.environ, Path(folder))
-        with started([]) as executor:
+        with started([*arguments]) as executor:
             yield RosHarness(executor)
 
 

@@ -26,9 +26,13 @@ SMALL = THESIS_TYPES[0]
 
 @dataclass(frozen=True)
 class SmallSwarm:
-    """`count` robots in a row, north of a square; implements `bringup.engine.Actors`."""
+    """`count` robots in a row, north of a square; implements `bringup.engine.Actors`.
+
+    `deaths` are pairs of a robot and the tick at which it dies.
+    """
 
     count: int
+    deaths: tuple[tuple[NodeId, int], ...] = ()
 
     @property
     def robots(self) -> tuple[NodeId, ...]:
@@ -54,7 +58,8 @@ class SmallSwarm:
         robots = tuple(
             RobotSpec(robot, SMALL, (1.5 * (robot - self.count / 2), 6.0), 0.1 * robot, True) for robot in self.robots
         )
-        return Simulation(self.world_config, Scene(robots, (), (-20.0, -20.0, 20.0, 20.0), (0.0, 0.0)), SEED)
+        scene = Scene(robots, (), (-20.0, -20.0, 20.0, 20.0), (0.0, 0.0))
+        return Simulation(self.world_config, scene, SEED, dict(self.deaths))
 
     def mission(self) -> Mission:
         roster = Roster.of([SMALL] * self.count)

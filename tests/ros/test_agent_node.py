@@ -10,9 +10,10 @@ import pytest
 from builders import make_agent, make_agent_inputs
 from ros_harness import RosHarness, harness
 
-from swarm_agent.ros.agent_node import AgentNode
+from swarm_agent.ros.agent_node import AgentNode, _from_parameters
 from swarm_msgs_py import topics
-from swarm_msgs_py.frames import pack_batch, unpack_batch
+from swarm_msgs_py.frames import decode_frame, pack_batch, unpack_batch
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello
 from swarm_msgs_py.messages.sensing import RangeScan
 from swarm_msgs_py.ros import cdr, convert
 from swarm_msgs_py.step_io import AgentInputs
@@ -113,4 +114,52 @@ def test_viewers_see_the_estimate_the_path_and_the_state(ros: RosHarness) -> Non
     assert odoms[0].child_frame_id == "r01/base_link"
     assert odoms[0].pose.covariance[0] > 0.0
     assert paths[0].header.frame_id == "map"
-    assert {entry.key for entry in states[0].status[0].values} >= {"mode", "goal", "neighbors", "frames_sent"}
+    shown = {entry.key: entry.value for entry in states[0].status[0].values}
+    assert shown.keys() >= {"mode", "goal", "neighbors", "frames_sent", "lost_by_beacons", "lost_by_sigma"}
+    assert shown["positioning"] == "localized"
+    assert float(shown["position_sigma_m"]) < 0.1
+
+
+def first_answer(ros: RosHarness, robot: NodeId) -> tuple[Hello, dict[str, str]]:
+    """Return the first hello of a robot without a position sensor, and what its first status shows."""
+    batches, states = ros.listen(topics.RADIO_TX, robot, raw=True), ros.listen(topics.STATUS, robot)
+    speakers = {channel: ros.speaker(channel, robot) for channel in topics.ROBOT_SENSORS}
+    ros.wait(lambda: ros.probe.count_publishers(topics.STATUS.topic(robot)) > 0, "the view")
+    ticks = iter(range(10_000))
+
+    def is_shown() -> bool:
+        tick = next(ticks)
+        messages = dict(senses(make_agent_inputs(tick)))
+        del messages[topics.FIX]
+        messages[topics.RADIO_RX] = convert.encode_batch(pack_batch(tick, ALL_PARTS & ~Parts.FIX, ()))
+        for channel, data in messages.items():
+            speakers[channel].publish(data)
+        return bool(batches and states)
+
+    ros.wait(is_shown, "status")
+    frames = map(decode_frame, unpack_batch(convert.decode_batch(batches[0])).frames)
+    (hello,) = [frame for frame in frames if isinstance(frame, Hello)]
+    return hello, {entry.key: entry.value for entry in states[0].status[0].values}
+
+
+@pytest.mark.usefixtures("domain_id")
+def test_a_robot_that_was_told_its_start_stands_there_from_the_first_tick() -> None:
+    told = ("robot:=1", "start_x_m:=4.5", "start_y_m:=-2.0", "start_sigma_m:=1.5")
+    with harness("--ros-args", *(part for setting in told for part in ("-p", setting))) as ros:
+        ros.add(_from_parameters(ros.context))
+        hello, shown = first_answer(ros, ROBOT)
+
+    assert hello.presence.position.tolist() == [4.5, -2.0]
+    assert hello.presence.sigma == pytest.approx(1.5, abs=0.02)
+    assert 1.4 < float(shown["position_sigma_m"]) < 1.9
+
+
+@pytest.mark.usefixtures("domain_id")
+@pytest.mark.parametrize("told", [(), ("start_x_m:=4.5", "start_y_m:=-2.0")], ids=["nothing", "no sigma"])
+def test_a_robot_that_was_not_told_how_well_its_start_is_known_does_not_know_it(told: tuple[str, ...]) -> None:
+    with harness("--ros-args", *(part for setting in ("robot:=1", *told) for part in ("-p", setting))) as ros:
+        ros.add(_from_parameters(ros.context))
+        hello, shown = first_answer(ros, ROBOT)
+
+    assert hello.presence.sigma == pytest.approx(SIGMA_UNKNOWN)
+    assert shown["mode"] == "waiting"

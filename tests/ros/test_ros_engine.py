@@ -52,6 +52,23 @@ def test_twenty_ticks_in_processes_are_the_same_as_without_ros() -> None:
 
 
 @pytest.mark.usefixtures("nothing_left")
+def test_deaths_of_the_scenario_are_the_same_as_without_ros() -> None:
+    swarm = SmallSwarm(4, deaths=((NodeId(2), 0), (NodeId(1), 6)))
+    with RosEngine(swarm, agents_per_process=2) as engine:
+        records = list(islice(engine.ticks(), 12))
+    with InProcessEngine(swarm) as reference:
+        expected = list(islice(reference.ticks(), 12))
+
+    for record, wanted in zip(records, expected, strict=True):
+        assert record.truth.samples.tobytes() == wanted.truth.samples.tobytes()
+        assert record.truth.alive.tolist() == wanted.truth.alive.tolist()
+        assert list(record.reports) == list(wanted.reports)
+        assert (record.alerts, record.lost) == (wanted.alerts, wanted.lost)
+    assert records[6].alerts == ("r01 dies, as the scenario says",)
+    assert records[11].lost == {1, 2}
+
+
+@pytest.mark.usefixtures("nothing_left")
 def test_a_killed_process_is_named_and_the_others_go_on() -> None:
     with engine_of(4, 2) as engine:
         ticks = engine.ticks()

@@ -15,6 +15,7 @@ COMMON_KEYS = [
     *("sim_time_s", "wall_time_s", "real_time_factor", "startup_s", "total_displacement_m"),
     *("displacement_lower_bound_m", "settling_time_s", "collisions", "min_clearance_m", "localization_rmse_m"),
     *("localization_max_m", "radio_frames", "radio_bytes", "radio_peak_bps", "lost_robots"),
+    "radio_neighborhood_peak_bps",
 ]
 FORMATION_KEYS = ["mesh_topological", "mesh_geometrical", "goals_reached"]
 WALL_KEYS = {"wall_time_s", "real_time_factor", "startup_s"}

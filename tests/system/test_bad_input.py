@@ -179,6 +179,22 @@ FILES = {
         changed(lambda d: d["map"].update(bounds_m=[-5, -5, 90, 90], obstacles=[post(index) for index in range(70)])),
         r"bad\.yaml: shape: the plan cannot be radioed: Plan of \d+ bytes; .* simplify the contour or the obstacles",
     ),
+    "death of a robot that is not there": (
+        changed(lambda d: d.update(events=[{"at_s": 1, "kill": [3]}, {"at_s": 2, "kill": [4]}])),
+        r"bad\.yaml: events: events\[1\]\.kill: there is no r04; the robots are r00 to r03",
+    ),
+    "death after the end": (
+        changed(lambda d: d.update(events=[{"at_s": 60, "kill": [3]}])),
+        r"bad\.yaml: events: events\[0\]\.at_s: 60 s is not before the time limit of 60 s; lower it",
+    ),
+    "two deaths of one robot": (
+        changed(lambda d: d.update(events=[{"at_s": 1, "kill": [3]}, {"at_s": 2, "kill": [3]}])),
+        r"bad\.yaml: events: events\[1\]\.kill: r03 is killed twice; remove it",
+    ),
+    "event without a time": (
+        changed(lambda d: d.update(events=[{"kill": [3]}])),
+        r"bad\.yaml: events\[0\]\.at_s: missing; add it",
+    ),
     "settings that contradict each other": (
         changed(lambda d: d.update(agent={"control": {"park_m": 0.5, "unpark_m": 0.1}})),
         r"bad\.yaml: agent\.control: unpark_m must be > park_m",

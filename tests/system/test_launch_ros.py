@@ -24,6 +24,7 @@ DUE = {
     *("sim_time_s", "wall_time_s", "real_time_factor", "startup_s", "total_displacement_m"),
     *("displacement_lower_bound_m", "settling_time_s", "collisions", "min_clearance_m", "localization_rmse_m"),
     *("localization_max_m", "radio_frames", "radio_bytes", "radio_peak_bps", "lost_robots", "mesh_topological"),
+    "radio_neighborhood_peak_bps",
     *("mesh_geometrical", "goals_reached"),
 }
 """What the metrics of a formation always have, and in a run that achieved its shape always with a value."""

@@ -157,3 +157,10 @@ def test_the_place_of_a_key_is_the_option_that_set_it_or_the_file() -> None:
     assert origin.of("shape") == "--shape x"
     assert origin.of("sim") == "--set loss: sim"
     assert origin.of("map") == "a.yaml: map"
+
+
+@pytest.mark.parametrize(("at_s", "tick"), [(0.0, 0), (0.5, 1), (0.7, 2), (30.0, 60)])
+def test_an_event_happens_at_the_first_tick_that_is_not_before_it(at_s: float, tick: int) -> None:
+    scenario = loaded("demo", parse_assignment(f"events=[{{at_s: {at_s}, kill: [3, 7]}}]"))
+
+    assert scenario.deaths == {3: tick, 7: tick}

@@ -19,7 +19,7 @@ HOLD_TICKS = 6  # 3 s at 0.5 s; rest is counted from the first sample on, so one
 
 
 def make_supervisor(duration_s: float = 1000.0, live_share_min: float = 0.5) -> Supervisor:
-    return Supervisor(ROBOTS, SuccessSpec(live_share_min=live_share_min), PERIOD, duration_s)
+    return Supervisor(ROBOTS, SuccessSpec(live_share_min=live_share_min, goal_tolerance_m=0.25), PERIOD, duration_s)
 
 
 def first_verdict(supervisor: Supervisor, records: list[TickRecord]) -> tuple[int, Verdict] | None:

@@ -64,5 +64,5 @@ def test_a_robot_that_forgot_the_plan_is_told_again(dissemination: Dissemination
 
 
 def test_a_longest_pause_below_the_first_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"repeat_longest_s must be >= repeat_first_s .2 s., got 1"):
+    with pytest.raises(ConfigError, match=r"repeat_longest_s must be >= repeat_first_s .5 s., got 1"):
         MissionConfig(repeat_longest_s=1.0)

@@ -1,10 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from builders import make_presence
 
 from mission_computer.config import MissionConfig
 from mission_computer.membership import Membership, change_line
 from swarm_msgs_py.messages.bodies import Report
 from swarm_msgs_py.messages.radio import Presence
+from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import NodeId
 
 CONFIG = MissionConfig(lost_after_s=20.0, regroup_wait_s=3.0, regroup_pause_s=10.0)
@@ -20,7 +24,7 @@ def report(robot: int, robot_type: int = 1, position: tuple[float, float] = (1.0
 
 
 def presence(x: float, sigma: float = 0.02, robot_type: int = 1) -> Presence:
-    return Presence(np.array([x, 0.0]), np.zeros(2), sigma, robot_type, True, 0, 1, 0)
+    return make_presence(x, sigma=sigma, robot_type=robot_type, epoch=1)
 
 
 def lost(membership: Membership, time: float) -> list[int]:
@@ -140,3 +144,14 @@ def test_a_return_is_acted_on_like_a_loss(membership: Membership) -> None:
 )
 def test_who_went_and_who_came_is_said_in_one_line(now: set[NodeId], before: set[NodeId], line: str) -> None:
     assert change_line(now, before) == line
+
+
+def test_a_robot_that_drove_may_have_got_farther_than_it_said(membership: Membership) -> None:
+    membership.take_report(report(1), 0.0, np.array([1.0, 9.0]))
+    membership.take_report(report(2), 0.0, np.array([1.0, 2.3]))
+    membership.take_report(replace(report(3), mode=int(Mode.PARKED)), 0.0, np.array([1.0, 2.3]))
+    membership.take_report(report(4), 0.0)
+
+    ahead = [member.ahead for member in membership.lost(60.0)]
+
+    assert ahead == [(1.0, 2.0 + MissionConfig().body_drift_m), (1.0, 2.3), None, None]

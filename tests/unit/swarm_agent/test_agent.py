@@ -6,16 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import PERIOD, make_agent, make_agent_inputs, make_plan
+from builders import PERIOD, make_agent, make_agent_inputs, make_plan, make_presence
 from numpy.testing import assert_allclose
 
-from swarm_agent.agent import UNKNOWN_SIGMA, Agent
+from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.frames import decode_frame
 from swarm_msgs_py.messages.bodies import CostRow, Plan, Report
 from swarm_msgs_py.messages.control import STOP
-from swarm_msgs_py.messages.radio import Hello, Packet, Presence
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -57,7 +57,9 @@ class Driver:
             body = decode_body(delivery.body)
             if isinstance(body, Report):
                 self.reports.append(body)
-        self._inbox = self._mission.transmit(self._tick, Presence(np.zeros(2), np.zeros(2), 0.0, 0, False, 0, 1, 0))
+        self._inbox = self._mission.transmit(
+            self._tick, make_presence(sigma=0.0, robot_type=0, is_beacon=False, epoch=1)
+        )
         self._to_mission = outputs.outbox
         velocity = to_world @ np.array([outputs.command.forward, outputs.command.left])
         self._acceleration = (velocity - self._velocity) / PERIOD
@@ -91,7 +93,7 @@ def test_without_a_position_a_robot_waits_and_says_so() -> None:
 
     assert outputs.command == STOP
     assert outputs.report.mode is Mode.WAITING
-    assert hello_of(outputs).presence.sigma == pytest.approx(UNKNOWN_SIGMA)
+    assert hello_of(outputs).presence.sigma == pytest.approx(SIGMA_UNKNOWN)
 
 
 def test_a_robot_that_hears_no_plan_searches_for_the_mission_computer() -> None:

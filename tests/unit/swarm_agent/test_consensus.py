@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
+from builders import make_presence
 
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import BUNDLE_SIZE, BUNDLES_PER_REQUEST, BUNDLES_PER_TICK, Consensus
@@ -64,9 +65,7 @@ class Room:
             goals = len(mind.book.plan.goals) if mind.book.plan else 0
             mind.offer(self._tick, np.full(goals, 100 + i), mesh)
         book = mind.book
-        return mesh.transmit(
-            self._tick, Presence(REST, REST, 0.1, 1, True, int(Mode.UNASSIGNED), book.epoch, book.digest)
-        )
+        return mesh.transmit(self._tick, make_presence(mode=int(Mode.UNASSIGNED), epoch=book.epoch, digest=book.digest))
 
     @property
     def rows(self) -> list[int]:
@@ -154,7 +153,7 @@ def make_row(robot: int, goals: int, version: int = 1, epoch: int = 1) -> CostRo
 
 
 def presence(epoch: int) -> Presence:
-    return Presence(REST, REST, 0.1, 1, True, int(Mode.UNASSIGNED), epoch, 0)
+    return make_presence(mode=int(Mode.UNASSIGNED), epoch=epoch)
 
 
 class Recorder(MeshNetwork):
@@ -303,3 +302,52 @@ def test_nobody_is_asked_for_a_plan_with_an_absurd_number() -> None:
     mind.repair(31, mesh)
 
     assert [asked for asked, _ in mesh.carried] == [1]
+
+
+def kinds_of(packets: list[tuple[NodeId, bytes]]) -> list[tuple[NodeId, str]]:
+    return [(asker, type(decode_body(body)).__name__) for asker, body in packets]
+
+
+def test_a_plan_goes_to_each_of_few_who_ask_and_not_again_while_it_is_on_its_way() -> None:
+    mind = make_mind(rows=0, goals=2)
+
+    first = answers(mind, 1, RowRequest(0, ()), RowRequest(0, ()))
+    again = answers(mind, 3, RowRequest(0, ()), RowRequest(0, ()))
+    later = answers(mind, 40, RowRequest(0, ()))
+
+    assert kinds_of(first) == [(1, "Plan"), (2, "Plan")]
+    assert again == []
+    assert kinds_of(later) == [(1, "Plan")]
+
+
+def test_a_crowd_that_asks_for_the_plan_is_served_by_one_flood(monkeypatch: pytest.MonkeyPatch) -> None:
+    floods: list[bytes] = []
+    monkeypatch.setattr(Recorder, "flood", lambda _, body: floods.append(body))
+    mind = make_mind(rows=0, goals=2)
+
+    carried = answers(mind, 1, *[RowRequest(0, ())] * 12)
+    answers(mind, 2, *[RowRequest(0, ())] * 12)
+
+    assert carried == []
+    assert floods == [encode_body(make_plan(2))]
+
+
+def test_who_asks_without_effect_asks_less_often_until_something_comes() -> None:
+    mind, mesh = make_mind(rows=1, goals=2), Recorder()
+    neighbor = MeshNetwork(NodeId(1), NetworkConfig(), PERIOD)
+
+    def ask(first: int, ticks: int) -> list[int]:
+        asked = []
+        for tick in range(first, first + ticks):
+            mesh.receive(tick, neighbor.transmit(tick, presence(1)))
+            mesh.carried.clear()
+            mind.repair(tick, mesh)
+            asked += [tick] * len(mesh.carried)
+        return asked
+
+    pauses = np.diff(ask(20, 60))
+    mind.receive(80, [Delivery(NodeId(1), encode_body(make_row(1, 2)))], mesh)
+    after = np.diff(ask(81, 12))
+
+    assert pauses[0] < pauses[1] == pauses[-1]
+    assert after[0] == pauses[0]

@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from swarm_agent.localization.config import LpsConfig
 from swarm_agent.localization.localizer import Estimate, Localizer
-from swarm_msgs_py.messages.sensing import ImuSample, PositionFix
+from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.randomness import rng_for
 
 DT = 0.5
@@ -21,6 +21,12 @@ AT_REST = LpsConfig(  # and pushed evenly over the period, as the figures of the
 )
 MOVING = LpsConfig(yaw_sigma_rad=0.0, push_delay_sigma_s=0.0)
 STILL = ImuSample(np.zeros(2), 0.0, 0.0)
+NO_RANGES = RangeScan(np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
+def tick_of(localizer: Localizer, imu: ImuSample, reading: PositionFix | None) -> Estimate | None:
+    """Advance a robot that ranges to nobody."""
+    return localizer.step(0, imu, reading, NO_RANGES, {})
 
 
 def fix(x: float, y: float, sigma: float = 0.02) -> PositionFix:
@@ -45,7 +51,7 @@ def wander(config: LpsConfig, ticks: int, every: int, sigma: float, robots: int)
         rng = rng_for(5, "wander", every, robot)
         localizer, bias, yaw = Localizer(config, DT), rng.uniform(-9.8e-4, 9.8e-4, 2), rng.uniform(-3.0, 3.0)
         position, velocity = rng.uniform(-40.0, 40.0, 2), rng.normal(0.0, config.initial_speed_sigma_mps, 2)
-        localizer.step(STILL, PositionFix(position + sigma * rng.normal(size=2), sigma))
+        tick_of(localizer, STILL, PositionFix(position + sigma * rng.normal(size=2), sigma))
         for tick in range(ticks):
             acceleration, turn = rng.uniform(-0.4, 0.4, 2) - 0.3 * velocity, rng.uniform(-0.2, 0.2)
             position = position + DT * velocity + DT * (DT - config.push_delay_s) * acceleration
@@ -54,7 +60,7 @@ def wander(config: LpsConfig, ticks: int, every: int, sigma: float, robots: int)
             body = np.array([[cos, sin], [-sin, cos]]) @ acceleration + bias + 0.01 * rng.normal(size=2)
             due = every and (tick + 1) % every == 0
             reading = PositionFix(position + sigma * rng.normal(size=2), sigma) if due else None
-            estimate = localizer.step(ImuSample(body, yaw, turn / DT), reading)
+            estimate = tick_of(localizer, ImuSample(body, yaw, turn / DT), reading)
             errors[robot, tick] = estimate.position - position
             squares[robot, tick] = errors[robot, tick] @ np.linalg.solve(estimate.covariance, errors[robot, tick])
     return Track(errors, squares)
@@ -71,8 +77,8 @@ def drift() -> Track:
 
 def test_there_is_no_estimate_before_the_first_fix():
     localizer = Localizer(CONFIG, DT)
-    assert localizer.step(STILL, None) is None
-    estimate = localizer.step(STILL, fix(3.0, 4.0))
+    assert tick_of(localizer, STILL, None) is None
+    estimate = tick_of(localizer, STILL, fix(3.0, 4.0))
     assert isinstance(estimate, Estimate)
     assert estimate.position.tolist() == [3.0, 4.0]
     assert estimate.velocity.tolist() == [0.0, 0.0]
@@ -87,9 +93,9 @@ def test_dead_reckoning_drifts_as_the_sensors_allow(drift, seconds, figure):
 @pytest.mark.parametrize(("seconds", "figure"), [(3, 0.03), (5, 0.07), (8, 0.13), (30, 1.0), (60, 3.1), (120, 9.5)])
 def test_the_covariance_announces_that_drift(seconds, figure):
     localizer = Localizer(AT_REST, DT)
-    localizer.step(STILL, fix(0.0, 0.0, 1e-4))
+    tick_of(localizer, STILL, fix(0.0, 0.0, 1e-4))
     for _ in range(int(seconds / DT)):
-        estimate = localizer.step(STILL, None)
+        estimate = tick_of(localizer, STILL, None)
     assert math.sqrt(np.trace(estimate.covariance)) == pytest.approx(figure, rel=0.07)
 
 
@@ -117,11 +123,13 @@ def test_fixes_reveal_the_bias_so_that_later_drift_is_smaller():
         for robot in range(12):
             rng = rng_for(9, robot)
             localizer, bias = Localizer(AT_REST, DT), rng.uniform(-9.8e-4, 9.8e-4, 2)
-            localizer.step(STILL, fix(*rng.normal(0.0, 0.02, 2)))
+            tick_of(localizer, STILL, fix(*rng.normal(0.0, 0.02, 2)))
             for _ in range(int(seconds_of_fixes / DT)):
-                localizer.step(ImuSample(bias + rng.normal(0.0, 0.001, 2), 0.0, 0.0), fix(*rng.normal(0.0, 0.02, 2)))
+                tick_of(
+                    localizer, ImuSample(bias + rng.normal(0.0, 0.001, 2), 0.0, 0.0), fix(*rng.normal(0.0, 0.02, 2))
+                )
             for _ in range(240):  # noise off: what is left is the bias
-                estimate = localizer.step(ImuSample(bias, 0.0, 0.0), None)
+                estimate = tick_of(localizer, ImuSample(bias, 0.0, 0.0), None)
             errors.append(estimate.position)
         return rms(np.array(errors))
 
@@ -131,16 +139,16 @@ def test_fixes_reveal_the_bias_so_that_later_drift_is_smaller():
 def test_one_wild_fix_is_ignored():
     localizer = Localizer(CONFIG, DT)
     for _ in range(10):
-        localizer.step(STILL, fix(1.0, 1.0))
-    assert np.linalg.norm(localizer.step(STILL, fix(9.0, -3.0)).position - 1.0) < 0.01
-    assert np.linalg.norm(localizer.step(STILL, fix(1.0, 1.0)).position - 1.0) < 0.01
+        tick_of(localizer, STILL, fix(1.0, 1.0))
+    assert np.linalg.norm(tick_of(localizer, STILL, fix(9.0, -3.0)).position - 1.0) < 0.01
+    assert np.linalg.norm(tick_of(localizer, STILL, fix(1.0, 1.0)).position - 1.0) < 0.01
 
 
 def test_wild_fixes_in_a_row_move_the_robot_at_the_limit_and_not_before():
     localizer = Localizer(LpsConfig(rejections_max=4), DT)
     for _ in range(10):
-        localizer.step(STILL, fix(0.0, 0.0))
-    distances = [np.linalg.norm(localizer.step(STILL, fix(20.0, 0.0)).position) for _ in range(5)]
+        tick_of(localizer, STILL, fix(0.0, 0.0))
+    distances = [np.linalg.norm(tick_of(localizer, STILL, fix(20.0, 0.0)).position) for _ in range(5)]
     assert distances[:3] == pytest.approx([0.0] * 3, abs=0.01)
     assert distances[3:] == pytest.approx([20.0] * 2, abs=0.01)
 
@@ -148,25 +156,25 @@ def test_wild_fixes_in_a_row_move_the_robot_at_the_limit_and_not_before():
 def test_a_good_fix_between_wild_ones_clears_the_count():
     localizer = Localizer(LpsConfig(rejections_max=3), DT)
     for _ in range(10):
-        localizer.step(STILL, fix(0.0, 0.0))
+        tick_of(localizer, STILL, fix(0.0, 0.0))
     for reading in [fix(20.0, 0.0), fix(20.0, 0.0), fix(0.0, 0.0), fix(20.0, 0.0), fix(20.0, 0.0)]:
-        estimate = localizer.step(STILL, reading)
+        estimate = tick_of(localizer, STILL, reading)
     assert np.linalg.norm(estimate.position) < 0.01
 
 
 @pytest.mark.parametrize("broken", [fix(math.nan, 0.0), fix(0.0, math.inf), fix(0.0, 0.0, math.nan)])
 def test_a_fix_that_is_no_number_counts_as_none(broken):
     with_it, without = Localizer(CONFIG, DT), Localizer(CONFIG, DT)
-    assert with_it.step(STILL, broken) is None
+    assert tick_of(with_it, STILL, broken) is None
     for localizer in (with_it, without):
-        localizer.step(STILL, fix(1.0, 2.0))
-    assert with_it.step(STILL, broken).position.tolist() == without.step(STILL, None).position.tolist()
+        tick_of(localizer, STILL, fix(1.0, 2.0))
+    assert tick_of(with_it, STILL, broken).position.tolist() == tick_of(without, STILL, None).position.tolist()
 
 
 def test_a_noiseless_sensor_does_not_break_the_filter():
     localizer = Localizer(LpsConfig(acceleration_sigma_mps2=0.0, yaw_sigma_rad=0.0), DT)
     for tick in range(200):
-        estimate = localizer.step(STILL, fix(0.1 * tick, 0.0, 0.0))
+        estimate = tick_of(localizer, STILL, fix(0.1 * tick, 0.0, 0.0))
     assert estimate.position == pytest.approx([19.9, 0.0], abs=1e-3)
     assert np.linalg.eigvalsh(estimate.covariance).min() > 0.0
 
@@ -176,8 +184,8 @@ def test_equal_inputs_give_equal_bytes():
         rng, localizer = rng_for(1, "bytes"), Localizer(CONFIG, DT)
         out = b""
         for _ in range(40):
-            estimate = localizer.step(
-                ImuSample(rng.normal(0.0, 0.1, 2), rng.normal(), 0.0), fix(*rng.normal(0, 0.1, 2))
+            estimate = tick_of(
+                localizer, ImuSample(rng.normal(0.0, 0.1, 2), rng.normal(), 0.0), fix(*rng.normal(0, 0.1, 2))
             )
             out += estimate.position.tobytes() + estimate.covariance.tobytes()
         return out
@@ -187,9 +195,9 @@ def test_equal_inputs_give_equal_bytes():
 
 def test_an_estimate_is_not_changed_by_later_steps():
     localizer = Localizer(CONFIG, DT)
-    first = localizer.step(STILL, fix(1.0, 2.0))
+    first = tick_of(localizer, STILL, fix(1.0, 2.0))
     kept = first.position.copy(), first.covariance.copy()
     for _ in range(3):
-        localizer.step(ImuSample(np.ones(2), 1.0, 0.0), fix(1.5, 2.5, 1.0))
+        tick_of(localizer, ImuSample(np.ones(2), 1.0, 0.0), fix(1.5, 2.5, 1.0))
     assert np.array_equal(first.position, kept[0])
     assert np.array_equal(first.covariance, kept[1])

@@ -49,7 +49,7 @@ def test_a_doubtful_heading_makes_strong_accelerations_doubtful():
 
 
 def test_the_first_belief_holds_what_is_known_of_a_robot_at_rest():
-    belief = belief_at(np.array([3.0, 4.0]), 0.02, 0.1, 9.8e-4)
+    belief = belief_at(np.array([3.0, 4.0]), 0.02**2 * np.eye(2), 0.1, 9.8e-4)
     assert belief.mean.tolist() == [3.0, 0.0, 4.0, 0.0, 0.0, 0.0]
     assert np.diag(belief.covariance)[POSITION] == pytest.approx(4e-4)
     assert np.diag(belief.covariance)[VELOCITY] == pytest.approx(1e-2)

@@ -128,15 +128,15 @@ def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
 
 
 def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_reduce() -> None:
-    goals = np.zeros((8000, 2))
-    plan = Plan(1, TRIANGLE, (TRIANGLE,), goals, np.ones(8000, dtype=np.int64))
+    goals = np.zeros((16000, 2))
+    plan = Plan(1, TRIANGLE, (TRIANGLE,), goals, np.ones(16000, dtype=np.int64))
 
     with pytest.raises(FrameError) as caught:
         encode_body(plan)
 
     text = str(caught.value)
-    assert f"Plan of {1 + 10 + 24 + 2 + 24 + 8000 * 9} bytes; a packet carries at most {BODY_MAX}" in text
-    assert "8000 goals of 9 bytes, 3 contour points of 8, and 1 obstacles with 3 corners of 8: use fewer goals" in text
+    assert f"Plan of {1 + 19 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
+    assert "16000 goals of 5 bytes, 3 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer goals" in text
     assert "\n" not in text
 
 

@@ -6,14 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from builders import make_presence
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import FRAME_MAX, HELLO_SIZE, OVERHEAD, decode_frame, encode_frame, pack_batch, unpack_batch
-from swarm_msgs_py.messages.radio import Acknowledgement, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Acknowledgement, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.types import EVERYONE, MISSION, NodeId
 
-PRESENCE = Presence(np.array([1.5, -2.25]), np.array([0.25, 0.5]), 0.125, 2, True, 3, 70000, 0xDEADBEEF)
+COVARIANCE = np.array([[0.25, 0.05], [0.05, 0.04]])
+PRESENCE = make_presence(
+    position=np.array([1.5, -2.25]),
+    velocity=np.array([0.25, 0.5]),
+    covariance=COVARIANCE,
+    shared=0.4,
+    tick=70001,
+    robot_type=2,
+    mode=3,
+    epoch=70000,
+    digest=0xDEADBEEF,
+)
 
 
 def make_rows(*rows: tuple[int, int, int]) -> RouteRows:
@@ -37,7 +51,9 @@ def test_hello_survives_the_air() -> None:
     assert_allclose(decoded.presence.position, [1.5, -2.25])
     assert_allclose(decoded.presence.velocity, [0.25, 0.5])
     state = decoded.presence
-    assert (state.sigma, state.robot_type, state.is_beacon) == (0.125, 2, True)
+    assert_allclose(state.covariance, COVARIANCE, rtol=0.02)
+    assert_allclose(state.belief, [1.5, -2.25, 0.25, 0.5, *state.covariance.ravel()[[0, 1, 3]], 0.4])
+    assert (state.tick, state.robot_type, state.is_beacon) == (70001 % 2**16, 2, True)
     assert (state.mode, state.epoch, state.digest) == (3, 70000, 0xDEADBEEF)
     assert_array_equal(decoded.routes.destinations, [7, MISSION])
     assert_array_equal(decoded.routes.hops, [0, 255])
@@ -72,11 +88,34 @@ def test_receivers_share_one_read_only_record() -> None:
         assert not array.flags.writeable
 
 
-def test_unknown_position_may_have_infinite_sigma() -> None:
-    decoded = decode_frame(encode_frame(make_hello(presence=replace(PRESENCE, sigma=np.inf))))
+@pytest.mark.parametrize("sigma", [SIGMA_UNKNOWN, 1e3, np.inf])
+def test_who_does_not_know_where_it_is_says_the_largest_sigma(sigma: float) -> None:
+    decoded = decode_frame(encode_frame(make_hello(presence=make_presence(sigma=sigma))))
 
     assert isinstance(decoded, Hello)
-    assert decoded.presence.sigma == np.inf
+    assert decoded.presence.sigma == pytest.approx(SIGMA_UNKNOWN)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(st.floats(0.0, 60.0), st.floats(0.0, 60.0), st.floats(-1.0, 1.0))
+def test_nobody_thinks_more_of_an_estimate_than_its_owner(x: float, y: float, correlation: float) -> None:
+    covariance = np.array([[x * x, correlation * x * y], [correlation * x * y, y * y]])
+    decoded = decode_frame(encode_frame(make_hello(presence=make_presence(covariance=covariance))))
+
+    assert isinstance(decoded, Hello)
+    heard = decoded.presence.covariance
+    assert (np.diag(heard) >= np.diag(covariance) - 1e-9).all()
+    assert_allclose(np.sqrt(np.diag(heard)), [x, y], atol=0.0011)
+    assert np.linalg.eigvalsh(heard).min() >= -1e-9 * max(1.0, float(heard.max()))
+    assert abs(heard[0, 1]) <= abs(covariance[0, 1]) + 0.002 * (x + y) + 1e-5
+
+
+def test_a_speed_that_no_robot_has_saturates() -> None:
+    presence = make_presence(velocity=np.array([1e3, -1e3]))
+    decoded = decode_frame(encode_frame(make_hello(presence=presence)))
+
+    assert isinstance(decoded, Hello)
+    assert_allclose(decoded.presence.velocity, [32.767, -32.767])
 
 
 @pytest.mark.parametrize(
@@ -84,26 +123,30 @@ def test_unknown_position_may_have_infinite_sigma() -> None:
     [
         replace(PRESENCE, position=np.array([np.nan, 0.0])),
         replace(PRESENCE, velocity=np.array([0.0, np.inf])),
-        replace(PRESENCE, sigma=-1.0),
-        replace(PRESENCE, sigma=np.nan),
+        replace(PRESENCE, covariance=-COVARIANCE),
+        replace(PRESENCE, covariance=np.full((2, 2), np.nan)),
+        replace(PRESENCE, shared=1.5),
         replace(PRESENCE, position=np.array([1e39, 0.0])),
         replace(PRESENCE, epoch=-1),
         replace(PRESENCE, digest=1 << 32),
     ],
-    ids=["nan position", "infinite velocity", "negative sigma", "nan sigma", "beyond float32", "epoch", "digest"],
+    ids=["nan position", "infinite velocity", "negative variance", "nan variance", "share", "far", "epoch", "digest"],
 )
 def test_sender_cannot_encode_nonsense(broken: Presence) -> None:
     with pytest.raises(FrameError):
         encode_frame(make_hello(presence=broken))
 
 
-@pytest.mark.parametrize("offset", [8, 12, 16, 20], ids=["x", "y", "vx", "vy"])
-@pytest.mark.parametrize("pattern", [b"\x00\x00\xc0\x7f", b"\x00\x00\x80\xff"], ids=["nan", "minus infinity"])
-def test_receiver_refuses_numbers_that_are_not_finite(offset: int, pattern: bytes) -> None:
+@pytest.mark.parametrize(
+    ("offset", "pattern"),
+    [(8, b"\xff\xff\xff\x7f"), (12, b"\x00\x00\x00\x80"), (24, b"\x80")],
+    ids=["x far to the east", "y far to the south", "correlation"],
+)
+def test_receiver_refuses_what_no_sender_says(offset: int, pattern: bytes) -> None:
     data = bytearray(encode_frame(make_hello()))
-    data[offset : offset + 4] = pattern
+    data[offset : offset + len(pattern)] = pattern
 
-    with pytest.raises(FrameError, match="finite"):
+    with pytest.raises(FrameError, match="beyond"):
         decode_frame(with_valid_checksum(bytes(data)))
 
 
@@ -171,15 +214,59 @@ def test_a_frame_that_no_batch_could_carry_is_refused_by_size_on_both_ends() -> 
 
 
 @pytest.mark.parametrize("number", [2e6, -3e38, float("nan"), float("inf")])
-@pytest.mark.parametrize("place", [0, 3])
-def test_a_hello_from_nowhere_is_refused_on_both_ends(number: float, place: int) -> None:
+@pytest.mark.parametrize("place", [0, 1, 2, 3])
+def test_a_hello_from_nowhere_is_refused_by_the_sender(number: float, place: int) -> None:
     numbers = [0.0, 0.0, 0.0, 0.0]
     numbers[place] = number
     presence = replace(PRESENCE, position=np.array(numbers[:2]), velocity=np.array(numbers[2:]))
-    data = bytearray(encode_frame(make_hello()))
-    data[8 + 4 * place : 12 + 4 * place] = struct.pack("<f", number)
 
     with pytest.raises(FrameError, match="must be finite and within"):
         encode_frame(make_hello(presence=presence))
-    with pytest.raises(FrameError, match="must be finite and within"):
+
+
+@pytest.mark.parametrize("millimeters", [1_000_000_001, -1_000_000_001, 2**31 - 1, -(2**31)])
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_hello_from_nowhere_is_refused_by_the_receiver(millimeters: int, place: int) -> None:
+    data = bytearray(encode_frame(make_hello()))
+    data[8 + 4 * place : 12 + 4 * place] = struct.pack("<i", millimeters)
+
+    with pytest.raises(FrameError, match="position lies beyond"):
         decode_frame(with_valid_checksum(bytes(data)))
+
+
+@pytest.mark.parametrize("edge", [1e6, -1e6])
+def test_a_hello_from_the_edge_of_the_world_is_heard(edge: float) -> None:
+    decoded = decode_frame(encode_frame(make_hello(presence=replace(PRESENCE, position=np.array([edge, -edge])))))
+
+    assert isinstance(decoded, Hello)
+    assert decoded.presence.position.tolist() == [edge, -edge]
+
+
+@pytest.mark.parametrize("covariance", [[[np.inf, np.nan], [np.nan, 1.0]], [[4.0, np.inf], [np.inf, np.inf]]])
+def test_a_robot_that_knows_one_coordinate_at_most_is_heard_to_know_none_of_the_correlation(
+    covariance: list[list[float]],
+) -> None:
+    decoded = decode_frame(encode_frame(make_hello(presence=replace(PRESENCE, covariance=np.array(covariance)))))
+
+    assert isinstance(decoded, Hello)
+    heard = decoded.presence.covariance
+    assert heard.max() == pytest.approx(SIGMA_UNKNOWN**2)
+    assert heard[0, 1] == heard[1, 0] == 0.0
+
+
+@pytest.mark.parametrize("tick", [0, 65535, 65536, 10**9])
+def test_ticks_are_heard_modulo_two_to_the_sixteenth(tick: int) -> None:
+    decoded = decode_frame(encode_frame(make_hello(presence=replace(PRESENCE, tick=tick))))
+
+    assert isinstance(decoded, Hello)
+    assert decoded.presence.tick == tick % 65536
+
+
+@pytest.mark.parametrize("variance", [1e-300, 5e-324, 1e200, 1e308])
+def test_extreme_variances_are_encoded_without_overflow(variance: float) -> None:
+    covariance = np.array([[variance, 0.5 * variance], [0.5 * variance, variance]])
+    decoded = decode_frame(encode_frame(make_hello(presence=replace(PRESENCE, covariance=covariance))))
+
+    assert isinstance(decoded, Hello)
+    assert np.isfinite(decoded.presence.covariance).all()
+    assert decoded.presence.sigma >= min(np.sqrt(variance), SIGMA_UNKNOWN) - 1e-8

@@ -2,13 +2,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mesh_lab import PERIOD_S, MeshLab, make_presence
+from builders import make_presence
+from mesh_lab import PERIOD_S, MeshLab
 from oracles import hop_counts
 
 from swarm_msgs_py.body_codec import BODY_MAX
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Hello, Packet, Presence
+from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Hello, Packet
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.labels import Route
 from swarm_msgs_py.networking.mesh import MeshNetwork
@@ -285,7 +286,7 @@ def test_unusable_presence_is_refused_by_name() -> None:
     node.receive(0, ())
 
     with pytest.raises(FrameError, match="finite"):
-        node.transmit(0, Presence(np.array([np.nan, 0.0]), np.zeros(2), 0.1, 1, False, 0, 0, 0))
+        node.transmit(0, make_presence(np.nan))
 
 
 def test_node_that_starts_late_is_silent_until_an_earlier_life_must_be_forgotten() -> None:

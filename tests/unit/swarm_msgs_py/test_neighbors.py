@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mesh_lab import make_presence
+from builders import make_presence
 
 from swarm_msgs_py.messages.radio import Hello, RouteRows
 from swarm_msgs_py.networking.neighbors import NeighborTable

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from swarm_sim.config import FixConfig, ImuConfig, RangingConfig
+from swarm_msgs_py.messages.sensing import RangeScan
+from swarm_msgs_py.types import FloatArray
+from swarm_sim.config import FixConfig, ImuConfig, RangingConfig, RangingModel
 from swarm_sim.radio.links import LinkTable
 from swarm_sim.sensors.fix import PositionSensor
 from swarm_sim.sensors.imu import Imu
@@ -82,10 +84,32 @@ def links(connected: list[list[int]], distances: list[list[float]]) -> LinkTable
 
 
 TRIANGLE = links([[0, 1, 0], [1, 0, 1], [0, 1, 0]], [[0, 10, 30], [10, 0, 20], [30, 20, 0]])
+CORNERS = np.array([(0.0, 0.0), (10.0, 0.0), (30.0, 0.0)])
+
+
+def full_links(positions: FloatArray) -> LinkTable:
+    x, y = positions.T
+    return LinkTable(~np.eye(len(x), dtype=np.bool_), np.hypot(x - x[:, None], y - y[:, None]))
+
+
+def position_ranging(robots: int) -> Ranging:
+    return Ranging(RangingConfig(model=RangingModel.POSITION, sigma_m=2.0, period_s=0.0), np.arange(robots), 0.5, 1)
+
+
+def ranged_from(scans: list[RangeScan], positions: FloatArray) -> FloatArray:
+    """Return where every robot's ranges meet (n, 2), by differences of circle equations."""
+    points = []
+    for scan in scans:
+        circles = positions[scan.neighbors]
+        lines = 2.0 * (circles[1:] - circles[0])
+        offsets = (circles[1:] ** 2 - circles[0] ** 2).sum(axis=1) - scan.ranges[1:] ** 2 + scan.ranges[0] ** 2
+        points.append(np.linalg.lstsq(lines, offsets)[0])
+        assert_allclose(np.hypot(*(circles - points[-1]).T), scan.ranges)
+    return np.array(points)
 
 
 def test_ranges_exist_between_direct_neighbors_only() -> None:
-    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([3, 5, 9]), 0.5, seed=1).measure(0, TRIANGLE)
+    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([3, 5, 9]), 0.5, seed=1).measure(0, CORNERS, TRIANGLE)
 
     assert [scan.neighbors.tolist() for scan in scans] == [[5], [3, 9], [5]]
     assert [scan.ranges.tolist() for scan in scans] == [[10.0], [10.0, 20.0], [20.0]]
@@ -94,7 +118,7 @@ def test_ranges_exist_between_direct_neighbors_only() -> None:
 def test_the_antenna_of_the_mission_computer_does_not_range() -> None:
     with_antenna = links([[0, 1, 1], [1, 0, 1], [1, 1, 0]], [[0, 10, 5], [10, 0, 5], [5, 5, 0]])
 
-    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([0, 1]), 0.5, seed=1).measure(0, with_antenna)
+    scans = Ranging(RangingConfig(sigma_m=0.0), np.array([0, 1]), 0.5, seed=1).measure(0, CORNERS[:2], with_antenna)
 
     assert [scan.neighbors.tolist() for scan in scans] == [[1], [0]]
 
@@ -103,13 +127,68 @@ def test_range_noise_is_white_independent_both_ways_and_never_makes_a_range_nega
     ranging = Ranging(RangingConfig(sigma_m=2.0, period_s=0.0), np.array([0, 1, 2]), 0.5, seed=1)
     near = links([[0, 1, 0], [1, 0, 0], [0, 0, 0]], [[0, 0.5, 9], [0.5, 0, 9], [9, 9, 0]])
 
-    record = np.array([[scan.ranges[0] for scan in ranging.measure(k, TRIANGLE)] for k in range(TICKS)])
-    close = np.array([ranging.measure(k, near)[0].ranges[0] for k in range(200)])
+    record = np.array([[scan.ranges[0] for scan in ranging.measure(k, CORNERS, TRIANGLE)] for k in range(TICKS)])
+    close = np.array([ranging.measure(k, CORNERS, near)[0].ranges[0] for k in range(200)])
 
     assert_allclose(record.std(axis=0), 2.0, rtol=0.08)
     assert_allclose(record.mean(axis=0), [10.0, 10.0, 20.0], atol=0.2)
     assert abs(np.corrcoef(record.T)[0, 1]) < 0.1
     assert close.min() == 0.0
+
+
+def test_in_the_model_of_the_thesis_one_displaced_point_explains_all_ranges_of_a_robot() -> None:
+    ranging = position_ranging(4)
+    positions = np.array([(0.0, 0.0), (10.0, 0.0), (-4.0, 9.0), (3.0, -8.0)])
+    record = np.array(
+        [ranged_from(ranging.measure(k, positions, full_links(positions)), positions) for k in range(500)]
+    )
+
+    errors = record - positions
+
+    assert_allclose(errors.mean(axis=0), 0.0, atol=4.0 * 2.0 / np.sqrt(500))
+    assert_allclose(errors.std(axis=0), 2.0, rtol=0.12)
+    flat = errors.reshape(500, -1)
+    assert np.abs(np.corrcoef(flat.T) - np.eye(8)).max() < 0.2  # between axes and robots
+    assert np.abs(np.corrcoef(flat[1:, 0], flat[:-1, 0])[0, 1]) < 0.2  # between rounds
+
+
+def test_in_the_model_of_the_thesis_the_geometry_of_the_neighbors_has_no_effect() -> None:
+    wide = np.array([(0.0, 0.0), (10.0, 0.0), (-4.0, 9.0), (3.0, -8.0)])
+    narrow = np.array([(0.0, 0.0), (10.0, 1.0), (10.0, 0.0), (11.0, -1.0)])
+
+    one, other = (ranged_from(position_ranging(4).measure(0, p, full_links(p)), p)[0] for p in (wide, narrow))
+
+    assert_allclose(one, other, atol=1e-9)
+    assert np.hypot(*one) > 0.1
+
+
+@pytest.mark.parametrize("model", RangingModel)
+def test_a_death_or_a_lost_link_shifts_no_range_of_anybody_else(model: RangingModel) -> None:
+    positions = np.array([(0.0, 0.0), (10.0, 0.0), (-4.0, 9.0), (3.0, -8.0)])
+    whole, without_1 = full_links(positions), full_links(positions)
+    without_1.connected[1, :] = without_1.connected[:, 1] = False
+    ranging = Ranging(RangingConfig(model=model), np.arange(4), 0.5, seed=1)
+
+    before, after = ranging.measure(0, positions, whole), ranging.measure(0, positions, without_1)
+
+    assert [scan.neighbors.tolist() for scan in after] == [[2, 3], [], [0, 3], [0, 2]]
+    for robot in (0, 2, 3):
+        assert_array_equal(after[robot].ranges, before[robot].ranges[before[robot].neighbors != 1])
+
+
+def test_without_noise_both_models_measure_the_distances() -> None:
+    positions = np.array([(0.0, 0.0), (10.0, 0.0), (-4.0, 9.0), (3.0, -8.0)])
+
+    scans = [
+        Ranging(RangingConfig(model=model, sigma_m=0.0), np.arange(4), 0.5, seed=1).measure(
+            0, positions, full_links(positions)
+        )
+        for model in RangingModel
+    ]
+
+    for one, other in zip(*scans, strict=True):
+        assert_allclose(one.ranges, other.ranges, rtol=1e-15)
+    assert_allclose(scans[1][0].ranges, np.hypot(*positions[1:].T))
 
 
 @pytest.mark.parametrize(
@@ -119,7 +198,7 @@ def test_range_noise_is_white_independent_both_ways_and_never_makes_a_range_nega
 def test_robots_range_once_per_period_and_have_empty_scans_between(period_s: float, due: list[int]) -> None:
     ranging = Ranging(RangingConfig(period_s=period_s), np.array([0, 1, 2]), 0.5, seed=1)
 
-    scans = [ranging.measure(tick, TRIANGLE) for tick in range(13)]
+    scans = [ranging.measure(tick, CORNERS, TRIANGLE) for tick in range(13)]
 
     assert [tick for tick in range(13) if scans[tick][1].neighbors.tolist() == [0, 2]] == due
     assert all(not len(s.neighbors) and not len(s.ranges) for k in set(range(13)) - set(due) for s in scans[k])

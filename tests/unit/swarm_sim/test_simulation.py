@@ -262,3 +262,32 @@ def test_equal_runs_are_equal_byte_for_byte_with_loss_and_delay(backend: Backend
         assert states[0] == states[1]
     first.close()
     second.close()
+
+
+def test_who_is_to_die_at_a_tick_learns_nothing_from_that_tick_on() -> None:
+    sim = Simulation(make_config(), make_scene(make_row(3)), 1, {NodeId(0): 0, NodeId(2): 2})
+
+    present = []
+    for _ in range(4):
+        present.append(tuple(sim.observe().agents))
+        run(sim, 1)
+
+    assert present == [(1, 2), (1, 2), (1,), (1,)]
+
+
+def test_deaths_of_the_scenario_are_told_once() -> None:
+    sim = Simulation(make_config(), make_scene(make_row(3)), 1, {NodeId(2): 1, NodeId(0): 1})
+    before = sim.take_died()
+    run(sim, 1)
+
+    assert (before, sim.take_died(), sim.take_died()) == ((), (0, 2), ())
+
+
+def test_a_death_of_the_scenario_is_like_one_by_the_operator() -> None:
+    planned = Simulation(make_config(), make_scene(make_row(3)), 1, {NodeId(1): 3})
+    killed = make_simulation()
+    run(planned, 3)
+    run(killed, 3)
+    killed.kill(NodeId(1))
+
+    assert [flat(truth) for truth in run(planned, 3)] == [flat(truth) for truth in run(killed, 3)]

@@ -6,7 +6,7 @@ from tick_builders import PERIOD, SAMPLES, make_tick
 
 from swarm_msgs_py.types import NodeId
 from swarm_sim.metrics.contacts import count_contacts
-from swarm_sim.metrics.localization import localization_error
+from swarm_sim.metrics.localization import consistent_share, localization_error, normalized_squares
 from swarm_sim.metrics.trace import NOTHING, TraceRecorder
 
 ROBOTS = (NodeId(0), NodeId(1))
@@ -53,7 +53,8 @@ def test_totals_add_up_over_the_ticks() -> None:
     totals = recorder.totals()
 
     assert (totals.contacts, totals.min_clearance) == (1, -0.1)
-    assert (totals.radio_frames, totals.radio_bytes, totals.radio_dropped, totals.radio_peak_bps) == (6, 60, 3, 160.0)
+    assert (totals.radio_frames, totals.radio_bytes, totals.radio_dropped) == (6, 60, 3)
+    assert (totals.radio_peak_bps, totals.radio_neighborhood_peak_bps) == (160.0, 240.0)
 
 
 def test_a_lone_robot_has_no_clearance() -> None:
@@ -86,13 +87,31 @@ def test_localization_error_counts_what_it_is_asked_to_and_what_was_reported() -
     estimates = np.array([[[3.0, 4.0], [np.nan, np.nan], [9.0, 9.0]], [[0.0, 0.0], [0.0, 1.0], [9.0, 9.0]]])
     counts = np.array([[True, True, False], [True, True, False]])
 
-    error = localization_error(estimates, truth, counts)
+    covariances = np.tile(np.eye(2), (2, 3, 1, 1))
+    covariances[0, 0] *= 25.0  # this one knows what it does not know; the one at the truth claims far too little
 
+    error = localization_error(estimates, covariances, truth, counts)
+
+    assert error.consistent == pytest.approx(2.0 / 3.0)
     assert error.rmse == pytest.approx(np.sqrt((25.0 + 0.0 + 1.0) / 3.0))
     assert error.maximum == 5.0
 
 
 def test_nobody_who_reports_is_no_error_at_all() -> None:
-    error = localization_error(np.full((2, 1, 2), np.nan), np.zeros((2, 1, 2)), np.ones((2, 1), dtype=bool))
+    unknown = np.full((2, 1, 2), np.nan)
+    error = localization_error(unknown, np.ones((2, 1, 2, 2)), np.zeros((2, 1, 2)), np.ones((2, 1), dtype=bool))
 
-    assert (error.rmse, error.p99, error.maximum) == (None, None, None)
+    assert (error.rmse, error.p99, error.maximum, error.consistent) == (None, None, None, None)
+
+
+def test_a_perfect_filter_lies_in_the_band_nineteen_times_out_of_twenty() -> None:
+    rng = np.random.default_rng(1)
+    spread = rng.normal(size=(20000, 2, 2))
+    covariances = spread @ spread.transpose(0, 2, 1) + 0.1 * np.eye(2)
+    errors = (np.linalg.cholesky(covariances) @ rng.normal(size=(20000, 2, 1)))[..., 0]
+
+    squares = normalized_squares(errors, covariances)
+
+    assert squares.mean() == pytest.approx(2.0, rel=0.03)
+    assert consistent_share(squares) == pytest.approx(0.95, abs=0.01)
+    assert consistent_share(normalized_squares(2.0 * errors, covariances)) < 0.85

@@ -14,7 +14,12 @@ class MissionConfig(Config):
     """Everything that can be set about the mission computer."""
 
     position_m: tuple[float, float] = setting((0.0, 0.0), "where its antenna stands, world frame", unit="m")
-    repeat_first_s: float = setting(2.0, "first pause before a plan is flooded again", unit="s", above=0.0)
+    repeat_first_s: float = setting(
+        5.0,
+        "first pause before a plan is flooded again: robots that hear of a newer plan ask for it long before",
+        unit="s",
+        above=0.0,
+    )
     repeat_growth: float = setting(1.5, "factor from one pause to the next", minimum=1.0, maximum=10.0)
     repeat_longest_s: float = setting(10.0, "longest pause between two floods", unit="s", above=0.0)
     lost_after_s: float = setting(
@@ -25,9 +30,15 @@ class MissionConfig(Config):
         above=0.0,
     )
     regroup_wait_s: float = setting(
-        3.0, "wait this long after a loss or a return, so that several make one new plan", unit="s", minimum=0.0
+        2.0, "wait this long after a loss or a return, so that several make one new plan", unit="s", minimum=0.0
     )
     regroup_pause_s: float = setting(10.0, "least time between two new plans for it", unit="s", minimum=0.0)
+    body_drift_m: float = setting(
+        1.0,
+        "how far a lost robot may have driven on after its last report; about top speed times the report period",
+        unit="m",
+        minimum=0.0,
+    )
     partition: PartitionConfig = section(PartitionConfig, "how a shape becomes goals")
 
     def __post_init__(self) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
 from mission_computer.config import MissionConfig
 from swarm_msgs_py.messages.bodies import Report
 from swarm_msgs_py.messages.radio import Presence
-from swarm_msgs_py.types import NodeId, robot_name
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 
 SIGMA_MAX = 5.0  # [m]; a robot less certain than this of where it is says nothing of use about where its body stands
+HELLO_GAP_S = 1.0  # [s]; the hello that a neighbor misses last, and what it takes to stop
 NAMED_MAX = 4  # robots that a one-line notice names
 
 
@@ -29,6 +32,9 @@ class Member:
         The goal that it last reported, -1 for none, and the plan which that goal belongs to.
     heard_at : float
         When it was last heard, or the mesh last had a route to it [s].
+    ahead : (x, y) or None
+        The farthest that it may have got after it last said where it was [m]; None if it was at rest, or nothing is
+        known of its way. Who is lost has not driven on, but it may have died on the way.
     """
 
     robot: NodeId
@@ -37,6 +43,7 @@ class Member:
     epoch: int
     goal: int
     heard_at: float
+    ahead: tuple[float, float] | None = None
 
 
 class Membership:
@@ -68,23 +75,29 @@ class Membership:
         """The lost robots at the last `account`."""
         return self._accounted
 
-    def take_report(self, report: Report, time: float) -> None:
-        """Note what a robot reported, at `time` [s]."""
-        if report.robot_type in self._types:
-            self._members[report.robot] = Member(
-                report.robot, report.robot_type, report.position, report.epoch, report.goal, time
-            )
+    def take_report(self, report: Report, time: float, destination: FloatArray | None = None) -> None:
+        """Note what a robot reported, at `time` [s], and where its goal is [m], if that is known."""
+        if report.robot_type not in self._types:
+            return
+        ahead = None
+        if destination is not None and report.mode != Mode.PARKED:
+            ahead = _toward(report.position, destination, self._config.body_drift_m)
+        self._members[report.robot] = Member(
+            report.robot, report.robot_type, report.position, report.epoch, report.goal, time, ahead
+        )
 
     def take_presence(self, robot: NodeId, presence: Presence, time: float) -> None:
         """Note what the hello of a direct neighbor says of it."""
         if presence.robot_type not in self._types:
             return
         known = self._members.get(robot)
-        position = known.position if known else None
+        position, ahead = (known.position, known.ahead) if known else (None, None)
         if presence.sigma <= SIGMA_MAX:
             position = float(presence.position[0]), float(presence.position[1])
+            x, y = presence.position + HELLO_GAP_S * presence.velocity
+            ahead = None if presence.mode == Mode.PARKED else (float(x), float(y))
         epoch, goal = (known.epoch, known.goal) if known else (0, -1)
-        self._members[robot] = Member(robot, presence.robot_type, position, epoch, goal, time)
+        self._members[robot] = Member(robot, presence.robot_type, position, epoch, goal, time, ahead)
 
     def take_routes(self, reachable: Iterable[NodeId], time: float) -> None:
         """Note to whom there is a route. Who has not spoken yet stays expected: its type is not known."""
@@ -115,6 +128,14 @@ class Membership:
         """Note that who is lost at `time` [s] has been allowed for, as well as it could be."""
         self._accounted = frozenset(member.robot for member in self.lost(time))
         self._accounted_at = time
+
+
+def _toward(position: tuple[float, float], destination: FloatArray, reach: float) -> tuple[float, float]:
+    """Return the point `reach` [m] from a position on the beeline to a destination, or the destination if nearer."""
+    x, y = position
+    dx, dy = (float(part) for part in destination - position)
+    share = min(1.0, reach / max(math.hypot(dx, dy), 1e-9))
+    return x + share * dx, y + share * dy
 
 
 def change_line(lost: Collection[NodeId], accounted: Collection[NodeId]) -> str:

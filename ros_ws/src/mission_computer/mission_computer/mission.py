@@ -76,7 +76,7 @@ class Mission:
         plan, notice = self._replan(inputs)
         if self._plan is not None and self._dissemination.is_due(inputs.time, reachable):
             self._network.flood(self._body)
-        outbox = self._network.transmit(inputs.tick, self._presence())
+        outbox = self._network.transmit(inputs.tick, self._presence(inputs.tick))
         return MissionOutputs(inputs.tick, outbox, plan, self._report(reachable, notice))
 
     @property
@@ -92,10 +92,18 @@ class Mission:
             return
         if isinstance(body, Report):
             self._reports[body.robot] = body
-            self._membership.take_report(body, time)
+            self._membership.take_report(body, time, self._destination(body))
             self._note_epoch(body.robot, body.epoch)
         elif isinstance(body, RowRequest) and self._plan is not None and body.epoch < self._plan.epoch:
             self._network.send(delivery.origin, self._body)
+
+    def _destination(self, report: Report) -> FloatArray | None:
+        """Return where the goal is that a robot reports [m], None if it has none or speaks of another plan."""
+        plan = self._plan
+        if plan is None or report.epoch != plan.epoch or not 0 <= report.goal < len(plan.goals):
+            return None
+        goal: FloatArray = plan.goals[report.goal]
+        return goal
 
     def _watch_mesh(self, reachable: tuple[NodeId, ...], time: float) -> None:
         """Note who is there, and which plan the neighbors' hellos show, which is sooner known than their reports."""
@@ -164,7 +172,7 @@ class Mission:
 
     def _put_in_force(self, body: bytes, time: float) -> None:
         self._body = body
-        # Viewers and metrics see exactly what the robots decode: positions as float32.
+        # Viewers and metrics see exactly what the robots decode: positions in centimeters.
         decoded = decode_body(self._body)
         assert isinstance(decoded, Plan)  # the type that was encoded
         self._plan = decoded
@@ -172,11 +180,13 @@ class Mission:
         self._dissemination.restart(decoded.epoch, time)
         _log.info("plan %d: %d goals", decoded.epoch, len(decoded.goals))
 
-    def _presence(self) -> Presence:
+    def _presence(self, tick: int) -> Presence:
         return Presence(
             position=np.array(self._config.position_m),
             velocity=np.zeros(2),
-            sigma=0.0,
+            covariance=np.zeros((2, 2)),
+            shared=0.0,
+            tick=tick,
             robot_type=0,
             is_beacon=False,
             mode=0,

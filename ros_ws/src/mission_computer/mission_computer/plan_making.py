@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from mission_computer.membership import Member
 from mission_computer.partition import GoalSet, PartitionConfig, adapt, partition
@@ -16,6 +17,7 @@ from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray, IntArray
 
 CORNERS = 8  # of the polygon around a lost robot's body
+ROUNDING_M = 0.0071  # half the diagonal of a centimeter: so far may a corner be moved when a plan is encoded
 
 
 class PlanMaker:
@@ -59,7 +61,7 @@ class PlanMaker:
         FrameError
             If the plan cannot be put into a packet.
         """
-        contour = load_shape(load_shape(shape).astype(np.float32).astype(np.float64))
+        contour = load_shape(load_shape(shape).round(2))  # plans travel in centimeters
         if self._bounds is not None:
             check_inside(contour, self._bounds, "ordered shape")
         roster = self._roster.without(member.type for member in lost)
@@ -131,25 +133,33 @@ class PlanMaker:
         """Return for each of the first goals whether a lost robot's body is in its way."""
         reaches = self._roster.radii_of(self._full.types) + self._config.gaps.obstacle_m
         covered = np.zeros(len(reaches), dtype=bool)
+        goals = shapely.points(self._full.positions)
         for member in lost:
             if member.position is not None:
-                distances = np.linalg.norm(self._full.positions - member.position, axis=1)
-                covered |= distances < reaches + self._radius(member)
+                where = shapely.linestrings([member.position, member.ahead or member.position])
+                covered |= shapely.distance(goals, where) < reaches + self._radius(member)
         return covered
 
     def _bodies(self, lost: Sequence[Member]) -> tuple[FloatArray, ...]:
         """Return a polygon around the body of each lost robot, wherever that is known."""
         return tuple(
-            body_outline(member.position, self._radius(member)) for member in lost if member.position is not None
+            body_outline(member.position, self._radius(member), member.ahead)
+            for member in lost
+            if member.position is not None
         )
 
     def _radius(self, member: Member) -> float:
         return float(self._roster.radii_of(np.array([member.type]))[0])
 
 
-def body_outline(position: tuple[float, float], radius: float) -> FloatArray:
-    """Return the regular octagon that just holds a circle, (8, 2) counter-clockwise, in float32 precision [m]."""
+def body_outline(position: tuple[float, float], radius: float, ahead: tuple[float, float] | None = None) -> FloatArray:
+    """Return a polygon around a body that is somewhere between two points, (k, 2) counter-clockwise [m].
+
+    It is the hull of the regular octagons that just hold a circle around each of the points, with corners in whole
+    centimeters, as plans travel; `ahead` None: one octagon.
+    """
     angles = (np.arange(CORNERS) + 0.5) * (2.0 * np.pi / CORNERS)
-    reach = radius / np.cos(np.pi / CORNERS)
-    outline = np.array(position) + reach * np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.asarray(outline.astype(np.float32), dtype=np.float64)
+    octagon = (radius + ROUNDING_M) / np.cos(np.pi / CORNERS) * np.column_stack([np.cos(angles), np.sin(angles)])
+    corners = np.vstack([np.array(end) + octagon for end in (position, ahead or position)])
+    hull = shapely.MultiPoint(corners.round(2)).convex_hull
+    return np.array(shapely.geometry.polygon.orient(hull).exterior.coords[:-1])

@@ -13,26 +13,27 @@ from swarm_agent.control.path_follower import PathFollower
 from swarm_agent.control.yielding import make_way
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
+from swarm_agent.decision.homing import home_destination, home_point
 from swarm_agent.decision.strategy import Decision, Strategy
+from swarm_agent.localization.hypotheses import widest
 from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.positioning import PositioningMonitor, Signs
 from swarm_agent.planning.path_planner import PathPlanner, planner_for
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
-from swarm_msgs_py.messages.radio import Presence
-from swarm_msgs_py.messages.report import AgentReport, Mode
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
+from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode, Positioning
+from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.orientation import rotation
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.step_io import AgentInputs, AgentOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
-UNKNOWN_SIGMA = 1000.0
-"""Standard deviation [m] that a robot claims while it has no idea where it is."""
-
-
 _IS_BEACON = attrgetter("is_beacon")
-_ORIGIN = np.zeros(2)
-_ORIGIN.flags.writeable = False
+_ORIGIN, _NO_IDEA = np.zeros(2), np.eye(2) * SIGMA_UNKNOWN**2
+_ORIGIN.flags.writeable = _NO_IDEA.flags.writeable = False
 
 
 class Agent:
@@ -49,6 +50,8 @@ class Agent:
         Control period [s].
     obstacles : tuple of (m, 2) array
         Map known before a plan brings one [m].
+    start : PositionFix or None
+        Where the robot was told to stand at the start; None: it has to find out.
     """
 
     def __init__(
@@ -58,12 +61,15 @@ class Agent:
         robot_type: RobotType,
         period_s: float,
         obstacles: tuple[FloatArray, ...] = (),
+        start: PositionFix | None = None,
     ) -> None:
         self.id = robot
         self._config = config
         self._type = robot_type
         self._report_every = max(1, round(config.decision.report_period_s / period_s))
-        self._localizer = Localizer(config.lps, period_s)
+        # Plans may have bodies of dead robots among their obstacles, whose place is not certain; the first map has not.
+        self._localizer = Localizer(config.lps, period_s, start, obstacles)
+        self._monitor = PositioningMonitor(config.lps, period_s)
         self._mesh = MeshNetwork(robot, config.network, period_s)
         self._consensus = Consensus(robot, robot_type.type, config.decision, period_s)
         self._strategy: Strategy = GoalSeeking(
@@ -80,26 +86,66 @@ class Agent:
         self._avoidance = Avoidance(config.control.avoidance, robot_type.coverage_radius_m, period_s)
         self._planner: PathPlanner | None = None
         self._mapped: tuple[FloatArray, ...] = ()
-        self._has_sensor = False
         self._reported_epoch = 0
+        self._disagreements = 0
+        self._told: FloatArray | None = None  # velocity of the last command, body frame
+        self._home: tuple[int, FloatArray] | None = None  # epoch and home point of its plan
 
     def step(self, inputs: AgentInputs) -> AgentOutputs:
         """Advance by one tick: the whole flow of one robot, top to bottom."""
-        estimate = self._localizer.step(inputs.imu, inputs.fix)
-        self._has_sensor = self._has_sensor or inputs.fix is not None
-        self._consensus.receive(inputs.tick, self._mesh.receive(inputs.tick, inputs.inbox), self._mesh)
-        self._consensus.repair(inputs.tick, self._mesh)
+        tick, mesh = inputs.tick, self._mesh
+        deliveries = mesh.receive(tick, inputs.inbox)
+        to_world = rotation(inputs.imu.yaw)
+        around = inputs.proximity @ to_world.T
+        estimate = self._localizer.step(
+            tick,
+            inputs.imu,
+            inputs.fix,
+            inputs.ranges,
+            mesh.neighbors,
+            proximity=around,
+            told=None if self._told is None else to_world @ self._told,
+        )
+        positioning = self._positioning(inputs, estimate)
+        self._consensus.receive(tick, deliveries, mesh)
+        self._consensus.repair(tick, mesh)
         if estimate is None:
             decision, command = None, STOP
         else:
-            decision = self._strategy.step(inputs.tick, estimate.position)
-            command = self._control(estimate, decision, inputs.proximity)
+            decision = self._decide(tick, estimate, positioning)
+            command = self._control(estimate, decision, around, to_world)
+        self._told = np.array([command.forward, command.left])
         mode = self._mode(decision)
-        self._report(inputs.tick, estimate, decision, mode)
-        outbox = self._mesh.transmit(inputs.tick, self._presence(estimate, mode))
-        return AgentOutputs(inputs.tick, command, outbox, self._state(inputs, estimate, decision, mode))
+        self._report(tick, estimate, decision, mode)
+        outbox = mesh.transmit(tick, self._presence(tick, estimate, mode))
+        return AgentOutputs(tick, command, outbox, self._state(inputs, estimate, decision, mode))
 
-    def _control(self, estimate: Estimate, decision: Decision, proximity: FloatArray) -> VelocityCommand:
+    def _positioning(self, inputs: AgentInputs, estimate: Estimate | None) -> Positioning:
+        """Return whether the robot knows where it is; count beacons that the hellos and the routes see differently."""
+        beacons = [neighbor for neighbor, presence in self._mesh.neighbors.items() if presence.is_beacon]
+        if len(inputs.ranges.neighbors):
+            routes = map(self._mesh.route, beacons)
+            self._disagreements += sum(1 for route in routes if route is None or route.hops != 1)
+        sigma = math.inf if estimate is None else widest(estimate.covariance)
+        is_corrected = estimate is not None and estimate.is_corrected
+        return self._monitor.step(inputs.tick, Signs(len(beacons), self._localizer.is_beacon, is_corrected, sigma))
+
+    def _decide(self, tick: int, estimate: Estimate, positioning: Positioning) -> Decision:
+        """Return where to go: where the swarm's decision says, or home if the robot has been lost for too long."""
+        is_lost = positioning is Positioning.RETURN_HOME
+        decision = self._strategy.step(tick, estimate.position, takes_part=not is_lost)
+        plan = self._consensus.plan
+        if not is_lost or plan is None:
+            return decision  # without a plan there is no shape to return to: the strategy goes and finds one
+        if self._home is None or self._home[0] != plan.epoch:
+            self._home = plan.epoch, home_point(plan.contour)
+        spacing = self._config.lps.lost.spacing_m
+        target = home_destination(self.id, estimate.position, self._home[1], self._mesh.neighbors.items(), spacing)
+        return Decision(-1, target, Mode.RETURN_HOME, decision.obstacles)
+
+    def _control(
+        self, estimate: Estimate, decision: Decision, around: FloatArray, to_world: FloatArray
+    ) -> VelocityCommand:
         """Return the body-frame command that follows the path and keeps clear of what is near."""
         planner = self._planner_for(decision.obstacles)
         wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate))
@@ -108,9 +154,7 @@ class Agent:
         aside = self._step_aside(estimate, decision)
         if aside is not None:
             wanted, reach = aside, self._config.control.yielding.displacement_max_m
-        cos, sin = math.cos(estimate.yaw), math.sin(estimate.yaw)
-        to_world = np.array([[cos, -sin], [sin, cos]])
-        safe = self._avoidance.step(wanted, estimate.velocity, proximity @ to_world.T, reach) @ to_world
+        safe = self._avoidance.step(wanted, estimate.velocity, around, reach) @ to_world
         turn = -self._config.control.heading_gain_1_s * math.remainder(estimate.yaw, math.tau)
         return VelocityCommand(float(safe[0]), float(safe[1]), turn)
 
@@ -150,14 +194,16 @@ class Agent:
         if self._mesh.send(MISSION, encode_body(report)):
             self._reported_epoch = epoch
 
-    def _presence(self, estimate: Estimate | None, mode: Mode) -> Presence:
+    def _presence(self, tick: int, estimate: Estimate | None, mode: Mode) -> Presence:
         book = self._consensus.book
         return Presence(
             position=estimate.position if estimate else _ORIGIN,
             velocity=estimate.velocity if estimate else _ORIGIN,
-            sigma=_sigma(estimate) if estimate else UNKNOWN_SIGMA,
+            covariance=estimate.covariance if estimate else _NO_IDEA,
+            shared=estimate.shared if estimate else 0.0,
+            tick=tick,
             robot_type=self._type.type,
-            is_beacon=self._has_sensor,
+            is_beacon=self._localizer.is_beacon,
             mode=int(mode),
             epoch=book.epoch,
             digest=book.digest,
@@ -167,12 +213,22 @@ class Agent:
         self, inputs: AgentInputs, estimate: Estimate | None, decision: Decision | None, mode: Mode
     ) -> AgentReport:
         neighbors = self._mesh.neighbors
+        monitor, localizer = self._monitor, self._localizer
         return AgentReport(
             position=estimate.position if estimate else np.full(2, np.nan),
             velocity=estimate.velocity if estimate else np.zeros(2),
-            covariance=estimate.covariance if estimate else np.eye(2) * UNKNOWN_SIGMA**2,
+            covariance=estimate.covariance if estimate else _NO_IDEA,
             yaw=inputs.imu.yaw,
             mode=mode,
+            localization=LocalizationReport(
+                positioning=monitor.state,
+                lost_by_beacons=monitor.lost_by_beacons,
+                lost_by_sigma=monitor.lost_by_sigma,
+                shared=estimate.shared if estimate else 0.0,
+                accepted=localizer.accepted,
+                rejected=localizer.rejected,
+                disagreements=self._disagreements,
+            ),
             epoch=self._consensus.book.epoch,
             goal=decision.goal if decision else -1,
             path=self._follower.path,

@@ -4,7 +4,8 @@ Layout, little-endian, without padding::
 
     version u8 | kind u8 | source u16 | sequence u16 | length u16 | payload (length bytes) | CRC-16/XMODEM u16
 
-    hello           position 2 f32 | velocity 2 f32 | sigma f32 | type u8 | flags u8 | mode u8 | epoch u32 | digest u32
+    hello           position 2 i32 [mm] | velocity 2 i16 [mm/s] | sigma 2 u16 [mm] | correlation i8 [1/127]
+                    | shared u8 [1/255] | tick u16 | type u8 | flags u8 | mode u8 | epoch u32 | digest u32
                     | rows: destination u16, hops u8, sequence u16
     packet          next hop u16 | origin u16 | destination u16 | number u16 | hops left u8 | body
     acknowledgement rows: transmitter u16, origin u16, number u16
@@ -18,6 +19,7 @@ frame)*.
 
 from __future__ import annotations
 
+import math
 import struct
 from binascii import crc_hqx
 from collections.abc import Iterable
@@ -29,7 +31,7 @@ import numpy as np
 from swarm_msgs_py.binary import COORDINATE_MAX, Reader, frozen, packed, packed_integers
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.types import NodeId
 
 __all__ = ["Batch", "decode_body", "decode_frame", "encode_body", "encode_frame", "pack_batch", "unpack_batch"]
@@ -38,11 +40,15 @@ VERSION = 1
 _HELLO_KIND, _PACKET_KIND, _ACKNOWLEDGEMENT_KIND = 1, 2, 3
 _HEADER = struct.Struct("<BBHHH")  # version, kind, source, sequence, length
 _CHECK = struct.Struct("<H")
-_PRESENCE = struct.Struct("<5f3B2I")
+_PRESENCE = struct.Struct("<2i2h2HbBH3B2I")
 _PACKET = struct.Struct("<4HB")  # next hop, origin, destination, number, hops left
 _BATCH = struct.Struct("<IB")  # tick, flags
 _LENGTH = struct.Struct("<H")
 _IS_BEACON = 0x01
+_MM = 1000.0  # steps per meter
+_SPEED_MAX = 32.767  # [m/s]; faster radios say so
+_CORRELATION_STEPS, _SHARE_STEPS, _U16_MAX = 127, 255, 0xFFFF
+_ROUNDING = 1e-6  # of a step: so much may arithmetic be off that computes a step from what was decoded of it
 
 ROUTE_ROW = np.dtype([("destination", "<u2"), ("hops", "u1"), ("sequence", "<u2")])
 """One route row on the air."""
@@ -114,25 +120,49 @@ def decode_frame(data: bytes) -> Frame:
 
 
 def _encode_hello(hello: Hello) -> bytes:
-    presence, routes = hello.presence, hello.routes
-    numbers = (*presence.position.tolist(), *presence.velocity.tolist(), presence.sigma)
-    _check_presence(*numbers)
-    flags = _IS_BEACON if presence.is_beacon else 0
-    state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)
+    routes = hello.routes
     rows = np.empty(len(routes.destinations), ROUTE_ROW)
     rows["destination"] = routes.destinations
     rows["hops"] = routes.hops
     rows["sequence"] = routes.sequences
-    return packed(_PRESENCE, *numbers, *state) + rows.tobytes()
+    return _encode_presence(hello.presence) + rows.tobytes()
+
+
+def _encode_presence(presence: Presence) -> bytes:
+    x, y, vx, vy, xx, xy, yy, shared = presence.belief.tolist()
+    if not all(abs(number) <= COORDINATE_MAX for number in (x, y, vx, vy)):  # false for NaN as well
+        raise FrameError(f"position and velocity must be finite and within {COORDINATE_MAX:g}")
+    is_known = max(xx, yy) < math.inf  # else the correlation means nothing, and may be infinity times zero
+    if not (xx >= 0.0 and yy >= 0.0 and (math.isfinite(xy) or not is_known) and 0.0 <= shared <= 1.0):
+        raise FrameError("a covariance must have variances that are not negative, and a share lie within 0 and 1")
+    # Rounded up: a receiver may think too little of an estimate, never too much. What was rounded already stays.
+    sigmas = [min(math.ceil(math.sqrt(variance) * _MM - _ROUNDING), _U16_MAX) for variance in map(_limited, (xx, yy))]
+    scale = math.sqrt(xx) * math.sqrt(yy)  # each alone: their product may not be a number
+    correlation = max(-1.0, min(1.0, xy / scale)) if is_known and scale > 0.0 else 0.0
+    steps = int(correlation * _CORRELATION_STEPS + math.copysign(_ROUNDING, correlation))
+    vx, vy = (max(-_SPEED_MAX, min(_SPEED_MAX, speed)) for speed in (vx, vy))
+    motion = (round(x * _MM), round(y * _MM), round(vx * _MM), round(vy * _MM))
+    flags = _IS_BEACON if presence.is_beacon else 0
+    state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)
+    return packed(_PRESENCE, *motion, *sigmas, steps, round(shared * _SHARE_STEPS), presence.tick & _U16_MAX, *state)
+
+
+def _limited(variance: float) -> float:
+    return min(variance, SIGMA_UNKNOWN**2)
 
 
 def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
-    x, y, vx, vy, sigma, robot_type, flags, mode, epoch, digest = reader.fields(_PRESENCE)
-    _check_presence(x, y, vx, vy, sigma)
+    x, y, vx, vy, sx, sy, correlation, shared, tick, robot_type, flags, mode, epoch, digest = reader.fields(_PRESENCE)
+    if max(abs(x), abs(y)) > COORDINATE_MAX * _MM or abs(correlation) > _CORRELATION_STEPS:
+        raise FrameError(f"a position lies beyond {COORDINATE_MAX:g} m, or a correlation beyond 1")
+    xx, yy = (sx / _MM) ** 2, (sy / _MM) ** 2
+    xy = correlation / _CORRELATION_STEPS * (sx / _MM) * (sy / _MM)
     presence = Presence(
-        position=frozen(np.array([x, y])),
-        velocity=frozen(np.array([vx, vy])),
-        sigma=sigma,
+        position=frozen(np.array([x / _MM, y / _MM])),
+        velocity=frozen(np.array([vx / _MM, vy / _MM])),
+        covariance=frozen(np.array([[xx, xy], [xy, yy]])),
+        shared=shared / _SHARE_STEPS,
+        tick=tick,
         robot_type=robot_type,
         is_beacon=bool(flags & _IS_BEACON),
         mode=mode,
@@ -143,12 +173,6 @@ def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
     reader.finish()
     columns = (frozen(rows[name].astype(np.int64)) for name in ("destination", "hops", "sequence"))
     return Hello(source, sequence, presence, RouteRows(*columns))
-
-
-def _check_presence(x: float, y: float, vx: float, vy: float, sigma: float) -> None:
-    # Comparisons with NaN are false. An infinite sigma means that the position is unknown.
-    if not (all(abs(number) <= COORDINATE_MAX for number in (x, y, vx, vy)) and sigma >= 0.0):
-        raise FrameError(f"position and velocity must be finite and within {COORDINATE_MAX:g}, sigma not negative")
 
 
 def _decode_acknowledgement(source: NodeId, sequence: int, reader: Reader) -> Acknowledgement:

@@ -1,11 +1,21 @@
-"""Heading as a planar quaternion that gives back exactly the heading it was made from."""
+"""Headings: as a rotation of vectors, and as a planar quaternion that gives back exactly what it was made from."""
 
 from __future__ import annotations
 
 import math
 from itertools import product
 
+import numpy as np
+
+from swarm_msgs_py.types import FloatArray
+
 SEARCH_ULPS = 4  # two roundings of at most one unit in the last place each, with room to spare
+
+
+def rotation(yaw: float) -> FloatArray:
+    """Return the matrix (2, 2) that turns vectors of the body frame into the world frame, for a heading [rad]."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return np.array([[cos, -sin], [sin, cos]])
 
 
 def yaw_of(z: float, w: float) -> float:

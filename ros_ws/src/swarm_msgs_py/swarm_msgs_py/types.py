@@ -22,6 +22,7 @@ EVERYONE: Final = NodeId(0xFFFF)
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 
 def robot_name(robot: NodeId) -> str:

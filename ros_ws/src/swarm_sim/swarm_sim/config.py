@@ -30,6 +30,15 @@ class GainSet(Enum):
     WEIGHTS = "weights"
 
 
+class RangingModel(Enum):
+    """What is noisy about measured ranges (spec section 4, erratum E11)."""
+
+    RANGE = "range"
+    """Each range has its own error, as ranging radios have."""
+    POSITION = "position"
+    """All ranges of a robot are taken from one wrong point, as in the simulations of the thesis."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PhysicsConfig(Config):
     """The physics back end."""
@@ -88,13 +97,20 @@ class FixConfig(Config):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RangingConfig(Config):
-    """Time-of-arrival ranging between direct radio neighbors (model `range` of spec section 4)."""
+    """Time-of-arrival ranging between direct radio neighbors."""
 
-    sigma_m: float = setting(2.0, "white noise of each range (thesis: 2 m)", unit="m", minimum=0.0)
-    period_s: float = setting(
-        3.0,
-        "time between two rounds of ranging, in which all robots range; up to the control period: every tick (thesis: "
-        "the localization period)",
+    model: RangingModel = setting(
+        RangingModel.RANGE,
+        "range: white noise on each range; position: thesis section 4.2, noise on the point that a robot ranges from, "
+        "so that the geometry of the beacons has no effect",
+    )
+    sigma_m: float = setting(
+        2.0, "white noise of each range, or of the point per axis (thesis: 2 m)", unit="m", minimum=0.0
+    )
+    period_s: float | None = setting(
+        None,
+        "time between two rounds of ranging, in which all robots range; up to the control period: every tick; not set: "
+        "as often as the robots localize themselves (agent.lps.period_s)",
         unit="s",
         minimum=0.0,
         maximum=600.0,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from swarm_sim.world.clearance import clearance
 from swarm_sim.world.obstacles import ObstacleField
 from swarm_sim.world.registry import make_world
 
-__all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth"]
+__all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth", "death_line"]
 
 logger = logging.getLogger(__name__)
 
@@ -94,6 +95,8 @@ class Simulation:
     scene : Scene
     seed : int
         Seed of the run; equal config, scene, seed and commands give equal results, byte for byte.
+    deaths : mapping of NodeId to int, optional
+        The tick from which on a robot's electronics are dead, as `kill` makes them, for the robots that are to die.
 
     Raises
     ------
@@ -103,7 +106,9 @@ class Simulation:
         If the back end is not installed or refuses the scene.
     """
 
-    def __init__(self, config: SimConfig, scene: Scene, seed: int) -> None:
+    def __init__(
+        self, config: SimConfig, scene: Scene, seed: int, deaths: Mapping[NodeId, int] = MappingProxyType({})
+    ) -> None:
         check_scene(scene)
         self.robots: tuple[NodeId, ...] = tuple(robot.id for robot in scene.robots)
         self._period_s = config.period_s
@@ -127,6 +132,8 @@ class Simulation:
         self._link_table: LinkTable | None = None
         self._observed: Mapping[NodeId, AgentInputs] | None = None
         self._is_applied = False
+        self._deaths, self._died = dict(deaths), list[NodeId]()
+        self._let_die()
 
     @property
     def tick(self) -> int:
@@ -234,6 +241,11 @@ class Simulation:
         if self._observed is not None:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
 
+    def take_died(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that died because `deaths` says so, in the order of their deaths."""
+        died, self._died = tuple(self._died), []
+        return died
+
     def close(self) -> None:
         """Free the physics back end; may be called again."""
         self._world.close()
@@ -246,6 +258,14 @@ class Simulation:
         self._link_table = None
         self._observed = None
         self._is_applied = False
+        self._let_die()
+
+    def _let_die(self) -> None:
+        """Kill whose time has come, before anybody learns anything in this tick."""
+        for robot in sorted(robot for robot, tick in self._deaths.items() if tick <= self._tick):
+            del self._deaths[robot]
+            self.kill(robot)
+            self._died.append(robot)
 
     def _current_links(self) -> LinkTable:
         if self._link_table is None:
@@ -262,3 +282,8 @@ class Simulation:
             )
             if is_alive
         }
+
+
+def death_line(robot: NodeId) -> str:
+    """Return what the operator reads when a robot dies because the scenario says so."""
+    return f"{node_name(robot)} dies, as the scenario says"

@@ -10,9 +10,9 @@ from mission_computer.shape.contour import area_centroid, signed_area
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.types import FloatArray
 
-VERTICES_MAX = 128  # contour bytes in the plan frame: 8 per vertex, about 1 KiB at this number
-SAME_POINT = 1e-6  # [m]; vertices nearer than this are one vertex (positions on the radio are float32)
-COORDINATE_MAX = 1e5  # [m]; beyond this, float32 on the radio is coarser than 1 cm
+VERTICES_MAX = 128  # contour bytes in the plan frame: 4 per vertex, half a KiB at this number
+SAME_POINT = 1e-6  # [m]; vertices nearer than this are one vertex
+COORDINATE_MAX = 1e5  # [m]; farther than any robot gets
 FLATNESS_MIN = 1e-6  # area over squared perimeter; a 1 m wide strip could be 250 km long
 
 

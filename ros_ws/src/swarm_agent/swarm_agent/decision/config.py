@@ -15,7 +15,11 @@ class DecisionConfig(Config):
         8.0, "how long a robot stands still for the cost rows of its type to be complete", unit="s", minimum=0.0
     )
     rally_after_s: float = setting(
-        6.0, "without a plan for this long, drive to the rally point to hear one", unit="s", minimum=0.0
+        6.0,
+        "without a plan for this long, or without a goal and a route to the mission computer, drive to the rally point"
+        " to hear a plan",
+        unit="s",
+        minimum=0.0,
     )
     rally_point_m: tuple[float, float] | None = setting(
         None,
@@ -28,11 +32,37 @@ class DecisionConfig(Config):
         unit="m",
         above=0.0,
     )
+    refresh_pause_s: float = setting(
+        5.0, "least time between two cost rows of a robot within a plan, so that several newcomers cost one", unit="s",
+        minimum=0.0,
+    )  # fmt: skip
+    refresh_spread_s: float = setting(
+        2.0, "robots take turns within this time to send such rows, to spare the radio", unit="s", minimum=0.0
+    )
+    keep_goal_m: float = setting(
+        0.5,
+        "in a fresh cost row the goal that the robot has costs this much less, so that only a gain of that much moves"
+        " robots to other goals (spec 11.5)",
+        unit="m",
+        minimum=0.0,
+    )
+    settle_s: float = setting(
+        1.5,
+        "a robot changes to another goal of the same plan only if the rows say so for this long; rows come in bursts",
+        unit="s",
+        minimum=0.0,
+    )
     repair_after_s: float = setting(
         1.5,
         "a neighbor's rows differ from an own set that is unchanged for this long: ask for what is missing",
         unit="s",
         above=0.0,
+    )
+    plan_wait_s: float = setting(
+        1.0,
+        "a neighbor has had a newer plan for this long: ask it for the plan, whose flood must have been lost",
+        unit="s",
+        minimum=0.0,
     )
     repair_period_s: float = setting(1.0, "least time between two such requests", unit="s", above=0.0)
     report_period_s: float = setting(2.0, "between two reports to the mission computer", unit="s", above=0.0)

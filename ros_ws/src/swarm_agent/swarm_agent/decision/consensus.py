@@ -2,7 +2,8 @@
 
 Two mechanisms: a *flood* brings every record to everyone once, fast; *anti-entropy* repairs what the flood lost. Every
 hello carries the epoch and a digest of the rows held. A robot whose own rows have been at rest for a while, and whose
-neighbor still shows another digest, asks that neighbor for what it lacks. Records merge in any order, so the swarm ends
+neighbor still shows another digest, asks that neighbor for what it lacks; likewise one whose neighbor has had a newer
+plan for a while. Records merge in any order, so the swarm ends
 at one common set wherever it is connected, also after a partition has healed.
 """
 
@@ -18,13 +19,19 @@ from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.bodies import CostRow, Plan, RowBundle, RowRequest, is_newer_epoch
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork
-from swarm_msgs_py.types import IntArray, NodeId
+from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
 
 BUNDLE_SIZE = 1000
 """Bytes of cost rows in one packet (at least one row): about what a radio sends in a few hundredths of a second."""
 
 BUNDLES_PER_REQUEST, BUNDLES_PER_TICK = 8, 16
 """Packets of rows that answer one request, and all requests of one tick; what is left waits for the next request."""
+
+HAND_ON_PAUSES, REPAIR_PAUSES_MAX = 4, 4
+"""Repair periods before the plan is given again to who asks again, and at most between two requests without effect."""
+
+CROWD = 3
+"""Neighbors that ask for the plan in one tick, from which on it is flooded: one transmission serves them all."""
 
 
 class Consensus:
@@ -46,9 +53,13 @@ class Consensus:
         self._robot_type = robot_type
         self._repair_after = max(1, round(config.repair_after_s / period_s))
         self._repair_period = max(1, round(config.repair_period_s / period_s))
+        self._plan_wait = round(config.plan_wait_s / period_s)
+        self._ahead_since: int | None = None  # tick since which some neighbor has a newer plan
         self._changed_at = 0  # tick of the last change of the book
         self._asked_at = -self._repair_period
         self._bundles_left = BUNDLES_PER_TICK
+        self._repair_pause = self._repair_period  # grows while requests are of no avail
+        self._handed_on: dict[NodeId, int] = {}  # tick in which a robot, or everyone, was last given the plan
         self.book = RowBook()
 
     @property
@@ -59,20 +70,27 @@ class Consensus:
     def receive(self, tick: int, deliveries: Sequence[Delivery], mesh: MeshNetwork) -> None:
         """Merge what the mesh delivered; answer requests of neighbors."""
         self._bundles_left = BUNDLES_PER_TICK
+        asking: list[NodeId] = []
         for delivery in deliveries:
             try:
                 body = decode_body(delivery.body)
             except FrameError:
                 continue  # a newer software's record, or damage that the frame's checksum missed
             if isinstance(body, Plan):
-                self._note(tick, changed=self.book.adopt(body))
+                is_newer = self.book.adopt(body)
+                if is_newer:
+                    self._handed_on.clear()
+                self._note(tick, changed=is_newer)
             elif isinstance(body, CostRow):
                 self._note(tick, changed=self.book.put(body))
             elif isinstance(body, RowBundle):
                 for row in body.rows:
                     self._note(tick, changed=self.book.put(row))
             elif isinstance(body, RowRequest):
+                if body.epoch < self.book.epoch:
+                    asking.append(delivery.origin)
                 self._answer(tick, delivery.origin, body, mesh)
+        self._hand_on(tick, asking, mesh)
 
     def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork) -> None:
         """Publish this robot's own costs [cm] for the plan in force."""
@@ -83,27 +101,49 @@ class Consensus:
 
     def repair(self, tick: int, mesh: MeshNetwork) -> None:
         """Ask one neighbor for what it holds and this robot lacks, if there is such a neighbor."""
-        if tick - self._asked_at < self._repair_period:
-            return
-        at_rest = tick - self._changed_at >= self._repair_after
         epoch, digest = self.book.epoch, self.book.digest
-        ahead = [
-            neighbor
-            for neighbor, its in mesh.neighbors.items()
-            if its.digest != digest or its.epoch != epoch
-            if is_newer_epoch(its.epoch, epoch) or (at_rest and its.epoch == epoch and its.robot_type)
-        ]
+        others = {n: its for n, its in mesh.neighbors.items() if its.epoch != epoch or its.digest != digest}
+        ahead = [neighbor for neighbor, its in others.items() if is_newer_epoch(its.epoch, epoch)]
+        if not ahead:
+            self._ahead_since = None
+        elif self._ahead_since is None:
+            self._ahead_since = tick
+        if tick - self._asked_at < self._repair_pause:
+            return
+        if self._ahead_since is not None and tick - self._ahead_since < self._plan_wait:
+            ahead = []
+        if tick - self._changed_at >= self._repair_after:
+            ahead = sorted(ahead + [n for n, its in others.items() if its.epoch == epoch and its.robot_type])
         if ahead:
             # Another neighbor each time: one that cannot help must not be asked forever.
             neighbor = ahead[(tick // self._repair_period + self._robot) % len(ahead)]
             mesh.send(neighbor, encode_body(RowRequest(self.book.epoch, self.book.versions())))
             self._asked_at = tick
+            self._repair_pause = min(2 * self._repair_pause, REPAIR_PAUSES_MAX * self._repair_period)
+
+    def _hand_on(self, tick: int, asking: Sequence[NodeId], mesh: MeshNetwork) -> None:
+        """Give the plan to who has asked for it, but not to somebody who has just been given it: it is on its way.
+
+        Where two parts of a network meet, all of the one part may ask the first robot of it that has the plan of the
+        other.
+        """
+        plan, pause = self.book.plan, HAND_ON_PAUSES * self._repair_period
+        since = [max(self._handed_on.get(node, -pause), self._handed_on.get(EVERYONE, -pause)) for node in asking]
+        new = [node for node, given in zip(asking, since, strict=True) if tick - given >= pause]
+        if plan is None or not new:
+            return
+        body = encode_body(plan)
+        if len(new) >= CROWD:
+            mesh.flood(body)
+            self._handed_on[EVERYONE] = tick
+            return
+        for node in new:
+            mesh.send(node, body)
+            self._handed_on[node] = tick
 
     def _answer(self, tick: int, asker: NodeId, request: RowRequest, mesh: MeshNetwork) -> None:
         if self.book.plan is None or request.epoch > self.book.epoch:
             return
-        if request.epoch < self.book.epoch:
-            mesh.send(asker, encode_body(self.book.plan))
         held = request.held if request.epoch == self.book.epoch else ()
         rows = self.book.missing_in(held)
         # Begin elsewhere each time: rows that the asker cannot take must not keep the others from it.
@@ -116,6 +156,7 @@ class Consensus:
     def _note(self, tick: int, *, changed: bool) -> None:
         if changed:
             self._changed_at = tick
+            self._repair_pause = self._repair_period
 
 
 def _bundled(rows: Sequence[CostRow]) -> Iterator[RowBundle]:

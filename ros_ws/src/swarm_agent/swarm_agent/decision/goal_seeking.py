@@ -7,16 +7,14 @@ import numpy as np
 from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
+from swarm_agent.decision.offering import RowOffers
 from swarm_agent.decision.strategy import Decision
 from swarm_agent.planning.config import PlanningConfig
-from swarm_agent.planning.path_planner import planner_for
-from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
+from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.robots import RobotType
-from swarm_msgs_py.types import FloatArray, IntArray, NodeId
-
-_CM_PER_M = 100.0
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
 
 class GoalSeeking:
@@ -52,27 +50,44 @@ class GoalSeeking:
     ) -> None:
         self._robot = robot
         self._type = robot_type
-        self._config = config
-        self._planning = planning
         self._mesh = mesh
         self._consensus = consensus
         self._first_map = obstacles
+        self._offers = RowOffers(
+            robot,
+            robot_type,
+            config=config,
+            planning=planning,
+            mesh=mesh,
+            consensus=consensus,
+            period_s=period_s,
+        )
         self._patience = round(config.patience_s / period_s)
+        self._settle = round(config.settle_s / period_s)
         self._rally_after = round(config.rally_after_s / period_s)
         self._rally_point = np.array(config.rally_point_m or (0.0, 0.0))
         self._epoch = 0
         self._epoch_since = 0
-        self._members: frozenset[NodeId] = frozenset()
-        self._members_at = -1  # digest of the rows that the members were read from
-        self._offered_from: FloatArray | None = None  # position at which the own row was computed
         # Epoch, digest and whether patience is over: what the goal follows from.
         self._decided_on: tuple[int, int, bool] | None = None
         self._goal = -1
+        self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
+        self._in_touch_at = 0  # last tick in which the robot had a goal, or a way to hear of one
         self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one
 
-    def step(self, tick: int, position: FloatArray) -> Decision:
-        """Return where to go; sends the own cost row when the plan or the membership makes it necessary."""
+    def step(self, tick: int, position: FloatArray, takes_part: bool = True) -> Decision:
+        """Return where to go; sends the own cost row when the plan or the membership makes it necessary.
+
+        Parameters
+        ----------
+        tick : int
+        position : (2,) array
+            Own estimate [m].
+        takes_part : bool
+            False while the robot has something else to do: it withdraws and has no goal to drive to. The goal that it
+            had stays reserved, and is its own again when it is back. Without a plan it looks for one all the same.
+        """
         plan = self._consensus.plan
         if plan is None:
             searching = tick >= self._rally_after
@@ -81,49 +96,51 @@ class GoalSeeking:
         if plan.epoch != self._epoch:
             self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
             self._is_undecided = True
-            self._offered_from = None
-            self._members, self._members_at = frozenset(), -1
-        if self._offered_from is None or self._consensus.book.digest != self._members_at:
-            self._offer_if_needed(tick, plan, position)
+        self._offers.step(tick, plan, position, self._goal, takes_part=takes_part)
         self._decide(tick, plan)
+        if not takes_part:
+            return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
         if self._goal >= 0:
             self._destination = plan.goals[self._goal]
             return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
         if self._is_undecided:
             # Until the rows for a new plan are complete, what the old one wanted is the best guess (spec 11.5).
             return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
+        if self._is_stranded(tick):
+            return Decision(-1, self._rally_point, Mode.SEARCHING, plan.obstacles)
         return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
 
-    def _offer_if_needed(self, tick: int, plan: Plan, position: FloatArray) -> None:
-        """Send a cost row for a new plan, and a fresh one for newcomers if the robot has moved since the last."""
-        book = self._consensus.book
-        members = frozenset(row.robot for row in book.of_type(self._type.type))
-        joined = members - self._members - {self._robot}
-        self._members, self._members_at = members, book.digest
-        if self._offered_from is not None:
-            moved = float(np.hypot(*(position - self._offered_from)))
-            if not joined or moved < self._config.refresh_distance_m:
-                return
-        self._offered_from = position.copy()
-        self._consensus.offer(tick, self._costs(plan, position), self._mesh)
-
-    def _costs(self, plan: Plan, position: FloatArray) -> IntArray:
-        planner = planner_for(plan.obstacles, self._type.coverage_radius_m, self._planning)
-        meters = planner.costs(position, plan.goals[plan.goal_types == self._type.type])
-        centimeters = np.minimum(np.rint(meters * _CM_PER_M), UNREACHABLE)
-        return np.asarray(centimeters, dtype=np.int64)
+    def _is_stranded(self, tick: int) -> bool:
+        """Return whether this plan has no goal for the robot, and no newer one can reach it where it is."""
+        if self._goal >= 0 or MISSION in self._mesh.reachable:
+            self._in_touch_at = tick
+        return tick - self._in_touch_at >= self._rally_after
 
     def _decide(self, tick: int, plan: Plan) -> None:
-        """Take the goal that the assignment gives, once the rows are complete or patience is over."""
+        """Take the goal that the assignment gives, once the rows are complete or patience is over.
+
+        Another goal than the one taken must be what the rows say for a while: a burst of rows arrives one by one, and
+        each of the sets in between may say something else.
+        """
+        self._propose(tick, plan)
+        if self._is_undecided or self._proposed == self._goal:
+            return
+        if self._goal < 0 or tick - self._proposed_at >= self._settle:
+            self._goal = self._proposed
+
+    def _propose(self, tick: int, plan: Plan) -> None:
+        """Solve the assignment if anything has changed that it follows from."""
         book = self._consensus.book
         patience_over = tick - self._epoch_since >= self._patience
         basis = (plan.epoch, book.digest, patience_over)
         if basis == self._decided_on:
             return
         self._decided_on = basis
-        rows = book.of_type(self._type.type)
         goals = np.flatnonzero(plan.goal_types == self._type.type)
-        if len(rows) >= len(goals) or patience_over:
-            self._is_undecided = False
-            taken = assign(rows).get(self._robot)
-            self._goal = -1 if taken is None else int(goals[taken])
+        if book.answered(self._type.type) < len(goals) and not patience_over and self._is_undecided:
+            return
+        taken = assign(book.of_type(self._type.type)).get(self._robot)
+        goal = -1 if taken is None else int(goals[taken])
+        if self._is_undecided or goal != self._proposed:
+            self._proposed, self._proposed_at = goal, tick
+        self._is_undecided = False

@@ -8,18 +8,23 @@ from collections.abc import Iterable
 from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, CostRow, Plan, is_newer_epoch
 from swarm_msgs_py.types import NodeId
 
+EARLY_MAX = 1000
+"""Rows kept of plans that have not arrived yet, the first ones kept."""
+
 
 class RowBook:
     """Newest cost row of every robot, for one epoch.
 
     A replicated set that only grows: rows merge by highest version, so robots that have exchanged everything hold the
-    same book whatever the order of arrival.
+    same book whatever the order of arrival. Rows that come before their plan count as soon as it is there: a packet
+    is delivered once, and short ones overtake long ones.
     """
 
     def __init__(self) -> None:
         self.plan: Plan | None = None
         self.digest = 0
         self._rows: dict[NodeId, CostRow] = {}
+        self._early: dict[NodeId, CostRow] = {}  # of the newest plan of which a row of that robot was heard
 
     @property
     def epoch(self) -> int:
@@ -33,13 +38,19 @@ class RowBook:
         self.plan = plan
         self._rows = {}
         self.digest = 0
+        early, self._early = self._early, {}
+        for row in early.values():
+            self.put(row)
         return True
 
     def put(self, row: CostRow) -> bool:
         """Take a row of this epoch if it is newer than the one held; return whether it was (and not absurd)."""
+        if row.epoch != self.epoch:
+            self._keep_early(row)
+            return False
         held = self._rows.get(row.robot)
         version = held.version if held else 0
-        if row.epoch != self.epoch or not version < row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
+        if not version < row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
             return False
         self._rows[row.robot] = row
         # Order-free sum of one checksum per row: merging in any order ends at the same digest.
@@ -60,6 +71,10 @@ class RowBook:
         rows = (self._rows[robot] for robot in sorted(self._rows))
         return tuple(row for row in rows if row.robot_type == robot_type and len(row.costs))
 
+    def answered(self, robot_type: int) -> int:
+        """Return how many robots of one type have sent a row, withdrawn ones included."""
+        return sum(row.robot_type == robot_type for row in self._rows.values())
+
     def version_of(self, robot: NodeId) -> int:
         """Return the version of a robot's row, 0 for none."""
         row = self._rows.get(robot)
@@ -67,6 +82,14 @@ class RowBook:
 
     def __len__(self) -> int:
         return len(self._rows)
+
+    def _keep_early(self, row: CostRow) -> None:
+        """Keep a row of a newer plan until that comes."""
+        kept = self._early.get(row.robot)
+        if not is_newer_epoch(row.epoch, self.epoch) or (kept is None and len(self._early) >= EARLY_MAX):
+            return
+        if kept is None or (kept.epoch, kept.version) < (row.epoch, row.version):
+            self._early[row.robot] = row
 
     def _fits(self, row: CostRow) -> bool:
         """Return whether the row is as long as its type has goals: anything else would break the assignment."""

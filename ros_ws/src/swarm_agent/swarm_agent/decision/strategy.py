@@ -34,6 +34,15 @@ class Decision:
 class Strategy(Protocol):
     """Decides where the robot should be, once per tick."""
 
-    def step(self, tick: int, position: FloatArray) -> Decision:
-        """Return the decision for this tick, given the robot's own position estimate, shape (2,) [m]."""
+    def step(self, tick: int, position: FloatArray, takes_part: bool = True) -> Decision:
+        """Return the decision for this tick.
+
+        Parameters
+        ----------
+        tick : int
+        position : (2,) array
+            The robot's own estimate [m].
+        takes_part : bool
+            Whether the robot is there for a goal; if not, it withdraws until it is again.
+        """
         ...

@@ -24,6 +24,8 @@ VELOCITY = slice(1, 4, 2)
 BIAS = slice(4, 6)
 OBSERVE_POSITION: FloatArray = np.eye(STATES)[POSITION]
 """H of a position fix, (2, 6)."""
+OBSERVE_VELOCITY: FloatArray = np.eye(STATES)[VELOCITY]
+"""H of a robot that knows its velocity, because it stands still, (2, 6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,21 +104,25 @@ class MotionModel:
         return Step(transition, push @ acceleration_body, noise)
 
 
-def belief_at(position: FloatArray, sigma: float, speed_sigma: float, bias_max: float) -> Gaussian:
-    """Return the belief of a robot at rest whose position was just measured.
+def belief_at(position: FloatArray, covariance: FloatArray, speed_sigma: float, bias_max: float) -> Gaussian:
+    """Return the belief of a robot whose position was just measured, and of whose motion nothing is known.
 
     Parameters
     ----------
     position : (2,) array
         Measured [m].
-    sigma, speed_sigma : float
-        Standard deviation per axis of the position [m] and of the velocity [m/s].
+    covariance : (2, 2) array
+        Of the measurement [m^2].
+    speed_sigma : float
+        Standard deviation per axis of the velocity [m/s], whose mean is zero.
     bias_max : float
         Bound of the accelerometer's bias, per axis [m/s^2]; the bias is uniform within, so its variance is a third of
         the square.
     """
     mean = np.zeros(STATES)
     mean[POSITION] = position
-    variances = np.empty(STATES)
-    variances[POSITION], variances[VELOCITY], variances[BIAS] = sigma**2, speed_sigma**2, bias_max**2 / 3.0
-    return Gaussian(mean, np.diag(variances))
+    variances = np.zeros(STATES)
+    variances[VELOCITY], variances[BIAS] = speed_sigma**2, bias_max**2 / 3.0
+    belief = np.diag(variances)
+    belief[POSITION, POSITION] = covariance
+    return Gaussian(mean, belief)

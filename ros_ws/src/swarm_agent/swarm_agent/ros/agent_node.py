@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
 from rclpy.context import Context
 from rclpy.node import Node
 
@@ -17,6 +18,7 @@ from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.frames import pack_batch
 from swarm_msgs_py.messages.report import AgentReport
+from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
 from swarm_msgs_py.ros.spin import run_node
@@ -42,6 +44,18 @@ class AgentIdentity(Config):
     robot: int = setting(0, "number of the robot; its namespace is /rNN", minimum=0, maximum=0xFFFD)
     type: int = setting(1, "type of the robot (table 4.1)", minimum=1, maximum=len(THESIS_TYPES))
     period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
+    start_x_m: float = setting(0.0, "where the robot stands at the start, with start_sigma_m", unit="m")
+    start_y_m: float = setting(0.0, "where the robot stands at the start, with start_sigma_m", unit="m")
+    start_sigma_m: float = setting(
+        0.0, "standard deviation of that, per axis; 0: the start is not known", unit="m", minimum=0.0
+    )
+
+    @property
+    def start(self) -> PositionFix | None:
+        """What the robot was told of its start point."""
+        if self.start_sigma_m == 0.0:
+            return None
+        return PositionFix(np.array([self.start_x_m, self.start_y_m]), self.start_sigma_m)
 
 
 class AgentNode(Node):
@@ -128,7 +142,7 @@ def _from_parameters(context: Context) -> AgentNode:
         identity = parameters.declare_config(reader, AgentIdentity())
         config = parameters.declare_config(reader, AgentConfig())
     robot = NodeId(identity.robot)
-    agent = Agent(robot, config, THESIS_TYPES[identity.type - 1], identity.period_s)
+    agent = Agent(robot, config, THESIS_TYPES[identity.type - 1], identity.period_s, start=identity.start)
     node = AgentNode(agent, robot, identity.period_s, context=context)
     parameters.declare_config(node, identity)
     parameters.declare_config(node, config)

@@ -6,12 +6,19 @@ origin to its destination (or to everyone). A packet's *body* is one of the appl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 
-@dataclass(frozen=True, slots=True)
+SIGMA_UNKNOWN = 65.535
+"""Standard deviation [m] of a radio that does not know where it is; the largest that fits a hello."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Presence:
     """What a radio says of itself in each of its hello frames.
 
@@ -19,8 +26,12 @@ class Presence:
     ----------
     position, velocity : (2,) array
         Own estimate, world frame [m], [m/s].
-    sigma : float
-        Standard deviation of the position estimate, root mean square of both axes [m].
+    covariance : (2, 2) array
+        Of the position [m^2]; `SIGMA_UNKNOWN` on both axes if the radio does not know where it is.
+    shared : float
+        Share of that variance which the sender supposes its neighbors' estimates to have in common, 0 to 1.
+    tick : int
+        When all this was true; on the air modulo 2^16.
     robot_type : int
         Type number of the robot, 0 for the mission computer.
     is_beacon : bool
@@ -31,16 +42,33 @@ class Presence:
         Newest plan held, 0 for none.
     digest : int
         Fingerprint of the cost rows held for that plan; equal digests mean equal decisions.
+    belief : (8,) array
+        Position, velocity, covariance (xx, xy, yy) and shared share in one row, so that fifty neighbors stack at once.
     """
 
     position: FloatArray
     velocity: FloatArray
-    sigma: float
+    covariance: FloatArray
+    shared: float
+    tick: int
     robot_type: int
     is_beacon: bool
     mode: int
     epoch: int
     digest: int
+    belief: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Lay out the row."""
+        (xx, xy), (_, yy) = self.covariance.tolist()
+        belief = np.array([*self.position.tolist(), *self.velocity.tolist(), xx, xy, yy, self.shared])
+        belief.flags.writeable = False
+        object.__setattr__(self, "belief", belief)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the position estimate, root mean square of both axes [m]."""
+        return math.sqrt((float(self.covariance[0, 0]) + float(self.covariance[1, 1])) / 2.0)
 
 
 @dataclass(frozen=True, slots=True)

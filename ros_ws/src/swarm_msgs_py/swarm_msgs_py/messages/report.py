@@ -18,6 +18,41 @@ class Mode(IntEnum):
     TRAVELING = 3  # on its way to its goal
     PARKED = 4  # at its goal
     BLOCKED = 5  # on its way, but hardly getting on: asks its neighbors to make way
+    RETURN_HOME = 6  # lost for too long: drives to the middle of the shape, where beacons are
+
+
+class Positioning(IntEnum):
+    """How well a robot knows where it is (spec section 6)."""
+
+    LOCALIZED = 0
+    LOST = 1  # goes on with what it does, by dead reckoning
+    RETURN_HOME = 2  # lost for too long
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizationReport:
+    """How a robot knows where it is, for viewers.
+
+    Attributes
+    ----------
+    positioning : Positioning
+    lost_by_beacons, lost_by_sigma : bool
+        What the two definitions of "lost" said at the last review, whichever of them acts.
+    shared : float
+        Share of the position's variance that is common with the neighbors' errors, 0 to 1.
+    accepted, rejected : int
+        Fixes and ranges used, and thrown out as outliers, since the start.
+    disagreements : int
+        Times that a beacon was a direct neighbor by its hellos, but not by the route table (spec section 5.4).
+    """
+
+    positioning: Positioning
+    lost_by_beacons: bool
+    lost_by_sigma: bool
+    shared: float
+    accepted: int
+    rejected: int
+    disagreements: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +68,7 @@ class AgentReport:
     yaw : float
         Heading [rad].
     mode : Mode
+    localization : LocalizationReport
     epoch : int
         Plan held, 0 for none.
     goal : int
@@ -55,6 +91,7 @@ class AgentReport:
     covariance: FloatArray
     yaw: float
     mode: Mode
+    localization: LocalizationReport
     epoch: int
     goal: int
     path: FloatArray

@@ -50,10 +50,17 @@ class NetworkConfig(Config):
         maximum=600.0,
     )
     flood_redundancy: int = setting(
-        2,
-        "radios that relay a flooded packet although all their neighbours should have heard it (against loss)",
+        1,
+        "how often more than once every radio shall hear a flooded packet where no frame is lost; more where some are",
         minimum=0,
         maximum=100,
+    )
+    paced_bps: float = setting(
+        150_000.0,
+        "rate that packets may take on the channel around any radio; hellos and acknowledgements come on top",
+        unit="bit/s",
+        minimum=1000.0,
+        maximum=1e12,
     )
     seen_packets: int = setting(
         4096, "packets remembered to tell duplicates, the oldest forgotten first", minimum=16, maximum=1000000

@@ -154,12 +154,18 @@ class RouteTable:
         ranked = sorted(zip(hops, [neighbor != next_hop for neighbor in ids], ids, strict=True))
         return [(hop_count, NodeId(neighbor)) for hop_count, _, neighbor in ranked]
 
-    def covers(self, neighbor: NodeId, others: IntArray) -> BoolArray:
-        """Return which of `others` the `neighbor` hears directly, as far as its adverts tell."""
-        slots = self._slot_of[others]
-        offers = self._offers[self._index_of[neighbor], slots]
-        covered: BoolArray = (slots != _UNKNOWN) & (hops_of(offers) == 2)
-        return covered
+    def vicinity(self, neighbors: IntArray) -> BoolArray:
+        """Return which of the `neighbors` (row) hears which (column) directly, as far as its adverts tell; (k, k)."""
+        slots = self._slot_of[neighbors]
+        offers = self._offers[self._index_of[neighbors][:, None], slots]
+        hears: BoolArray = (slots != _UNKNOWN) & (hops_of(offers) == 2)
+        np.fill_diagonal(hears, val=True)
+        return hears
+
+    def crowd(self) -> int:
+        """Return how many radios share the channel around this node or the one of its neighbors who hears the most."""
+        around = np.count_nonzero(hops_of(self._offers[:, : self._slots]) == 2, axis=1)  # by neighbor index
+        return 1 + max(int(around.max()), int(np.count_nonzero(self._neighbor_ids != _NOBODY)))
 
     # -- changing ------------------------------------------------------------------------------------------------------
 

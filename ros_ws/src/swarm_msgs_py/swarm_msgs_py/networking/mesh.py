@@ -1,16 +1,15 @@
 """Delivery of packets over the mesh: flooding and routed unicast on top of neighbours and DSDV routes.
 
-A radio says one hello per tick. A *flooded* packet is transmitted once by its origin and relayed at most once by every
-other radio. A radio whose neighbours must all have heard the transmission that it heard itself need not relay
-(self-pruning, Lim and Kim 2001); a few do so all the same, against loss. A *routed* packet goes hop by hop, from radio
-to radio, each of which acknowledges it to the previous one; one that hears no acknowledgement transmits again, over
-another feasible successor if there is one. A packet whose route is broken waits for a while for its repair.
+A radio says one hello per tick. A *flooded* packet is transmitted by its origin and relayed by as few other radios as it
+takes, by each of them once, or more often where frames are lost (`flooding`). A *routed* packet goes hop by hop, from radio to radio, each of
+which acknowledges it to the previous one; one that hears no acknowledgement transmits again, over another feasible
+successor if there is one. A packet whose route is broken waits for a while for its repair. Packets of either sort keep
+to the radio's share of the channel (`pacer`): what the share has no room for waits for the next ticks.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Container, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -19,12 +18,22 @@ import numpy as np
 from swarm_msgs_py.body_codec import BODY_MAX
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.radio import Acknowledgement, Delivery, Frame, Hello, Packet, Presence, RadioCounters
+from swarm_msgs_py.messages.radio import (
+    Acknowledgement,
+    Delivery,
+    Frame,
+    Hello,
+    Packet,
+    Presence,
+    RadioCounters,
+)
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.dsdv import RouteTable
+from swarm_msgs_py.networking.flooding import FloodQueue, Vicinity, policy_against
 from swarm_msgs_py.networking.labels import Advert, Route, advert_of
 from swarm_msgs_py.networking.neighbors import NeighborTable
 from swarm_msgs_py.networking.outbox import Outbox
+from swarm_msgs_py.networking.pacer import Pacer
 from swarm_msgs_py.types import EVERYONE, NodeId
 
 _NUMBERS_PER_TICK = 16
@@ -53,13 +62,16 @@ class MeshNetwork:
         self._neighbor_table = NeighborTable(config.missed_adverts)
         self._routes = RouteTable(node, config, period_s)
         self._outbox = Outbox(config, period_s)
-        self._silence = config.missed_adverts + 2 + round(config.delay_max_s / period_s)
+        self._delay_max = round(config.delay_max_s / period_s)
+        self._delay = 0  # longest yet of a frame [ticks]
+        self._silence = config.missed_adverts + 2 + self._delay_max
         self._speaks_from: int | None = None
         self._tick = 0
         self._frame_number = 0
         self._packet_number = 0
         self._seen: dict[Hashable, None] = {}  # in order of arrival
-        self._to_flood: deque[Packet] = deque(maxlen=config.queue_packets)
+        self._floods = FloodQueue(config.queue_packets)
+        self._pacer = Pacer(config, period_s)
         self._to_acknowledge: list[tuple[NodeId, NodeId, int]] = []
         self._to_self: list[Delivery] = []
         self._sent = [0, 0]
@@ -87,7 +99,7 @@ class MeshNetwork:
             corrupt=self._corrupt,
             duplicates=self._duplicates,
             expired=self._expired,
-            unroutable=self._outbox.dropped,
+            unroutable=self._outbox.dropped + self._floods.dropped,
         )
 
     def route(self, destination: NodeId) -> Route | None:
@@ -133,9 +145,11 @@ class MeshNetwork:
                 packets.append(frame)
             elif isinstance(frame, Acknowledgement):
                 self._outbox.acknowledge(self._node, frame)
+        self._note_delay(tick, hellos)
         self._update_routes(tick, hellos, adverts)
         deliveries, self._to_self = self._to_self, []
-        for packet in packets:
+        # Who has come farther has set out earlier: an answer that took a shorter way must not overtake what it answers.
+        for packet in sorted(packets, key=lambda packet: packet.hops_left):
             self._take(packet, deliveries)
         return tuple(deliveries)
 
@@ -150,7 +164,7 @@ class MeshNetwork:
         _check_size(body)
         packet = self._packet(EVERYONE, EVERYONE, body)
         self._remember((packet.origin, packet.number))
-        self._to_flood.append(packet)
+        self._floods.put_own(self._tick, packet)
 
     def send(self, destination: NodeId, body: bytes) -> bool:
         """Send `body` to one node; return False, and send nothing, when there is no route to it.
@@ -190,10 +204,7 @@ class MeshNetwork:
                 some = arrived[first : first + _ACKNOWLEDGED_PER_FRAME]
                 frames.append(encode_frame(Acknowledgement(self._node, self._next_frame(), some)))
             self._to_acknowledge.clear()
-        while self._to_flood:
-            frames.append(self._encode(self._to_flood.popleft(), EVERYONE))
-        for packet, next_hop in self._outbox.due(tick, self.next_hops):
-            frames.append(self._encode(packet, next_hop))
+        frames += self._paced(tick)
         self._sent[0] += len(frames)
         self._sent[1] += sum(map(len, frames))
         return tuple(frames)
@@ -234,12 +245,13 @@ class MeshNetwork:
     def _take_flood(self, packet: Packet, deliveries: list[Delivery]) -> None:
         if packet.origin == self._node or not self._remember((packet.origin, packet.number)):
             self._duplicates += 1
+            self._floods.overhear((packet.origin, packet.number), packet.source)
             return
         deliveries.append(Delivery(packet.origin, packet.body))
         if packet.hops_left <= 1:
             self._expired += 1
-        elif self._must_relay(packet):
-            self._to_flood.append(replace(packet, hops_left=packet.hops_left - 1))
+        else:
+            self._floods.put(self._tick, replace(packet, hops_left=packet.hops_left - 1), packet.source)
 
     def _take_routed(self, packet: Packet, deliveries: list[Delivery]) -> None:
         self._to_acknowledge.append((packet.source, packet.origin, packet.number))
@@ -256,20 +268,35 @@ class MeshNetwork:
             self._routes.repeat(self._tick, packet.destination)
             self._outbox.put(self._tick, replace(packet, hops_left=packet.hops_left - 1))
 
-    def _must_relay(self, packet: Packet) -> bool:
-        """Return whether some neighbour may miss a flooded packet unless this radio relays it.
+    def _paced(self, tick: int) -> list[bytes]:
+        """Return the frames of the packets that the radio's share of the channel has room for.
 
-        The transmitter's adverts tell whom it hears. When that covers all neighbours, only the `flood_redundancy` first
-        of the covered radios relay, in an order that differs from packet to packet.
+        First what neighbors ask of each other: it mends what floods have lost, and takes one transmission. Then floods,
+        for which everybody waits, and last what crosses the swarm to one node.
         """
-        others = np.array([n for n in self.neighbors if n not in (packet.source, packet.origin)], dtype=np.int64)
-        if packet.source not in self.neighbors:
-            return True
-        if not self._routes.covers(packet.source, others).all():
-            return True
-        salt = packet.origin * 7919 + packet.number * 104729
-        ranks = (np.append(others, self._node) * 40503 + salt) * 2654435761 & 0xFFFFFFFF
-        return bool((ranks[:-1] < ranks[-1]).sum() < self._config.flood_redundancy)
+        frames: list[bytes] = []
+        if not self._floods and not self._outbox:
+            return frames
+        self._pacer.fill(tick, self._routes.crowd())
+        neighbors = np.array(list(self.neighbors), dtype=np.int64)
+        vicinity = Vicinity(self._node, neighbors, self._routes.vicinity(neighbors))
+        policy = policy_against(self._neighbor_table.loss, self._config.flood_redundancy, self._delay)
+        frames += self._routed(tick, self.neighbors)
+        while self._pacer.is_open and (flooded := self._floods.next(tick, vicinity, policy, self._pacer.room)):
+            frames.append(self._encode(flooded, EVERYONE))
+            self._pacer.spend(len(frames[-1]))
+        return frames + self._routed(tick)
+
+    def _routed(self, tick: int, destinations: Container[NodeId] | None = None) -> list[bytes]:
+        due = self._outbox.due(tick, self.next_hops, self._pacer, delay=self._delay, destinations=destinations)
+        return [self._encode(packet, next_hop) for packet, next_hop in due]
+
+    def _note_delay(self, tick: int, hellos: Iterable[Hello]) -> None:
+        """Learn how long frames take here beyond the tick that they always take, from the clocks in hellos."""
+        for hello in hellos:
+            late = (tick - 1 - hello.presence.tick) & 0xFFFF
+            if self._delay < late <= self._delay_max:
+                self._delay = late
 
     # -- small parts ---------------------------------------------------------------------------------------------------
 

@@ -8,6 +8,9 @@ from types import MappingProxyType
 from swarm_msgs_py.messages.radio import Hello, Presence
 from swarm_msgs_py.types import NodeId
 
+_MEMORY = 0.95  # of what was heard, share that counts as much a tick later: the loss is averaged over 20 ticks
+_PRIOR = 10.0  # hellos, none of them lost, that are taken for granted at first
+
 
 class NeighborTable:
     """Direct neighbours of one radio: heard at least once within the last `missed_adverts` ticks.
@@ -23,6 +26,7 @@ class NeighborTable:
         self._heard_at: dict[NodeId, int] = {}
         self._latest: dict[NodeId, Hello] = {}
         self._presences: Mapping[NodeId, Presence] | None = None
+        self._said = self._heard = 0.0  # hellos, lately: those that neighbors must have sent, those that arrived
 
     @property
     def presences(self) -> Mapping[NodeId, Presence]:
@@ -32,14 +36,28 @@ class NeighborTable:
             self._presences = MappingProxyType({neighbor: latest[neighbor].presence for neighbor in sorted(latest)})
         return self._presences
 
+    @property
+    def loss(self) -> float:
+        """Share of the neighbors' hellos that were lost lately; one that is still on the air counts as lost."""
+        return max(0.0, self._said - self._heard) / (self._said + _PRIOR)
+
     def hear(self, tick: int, hellos: Iterable[Hello]) -> None:
         """Take in the hellos of one tick; one overtaken by a newer one only proves that its sender is there."""
         latest, heard_at = self._latest, self._heard_at
+        self._said *= _MEMORY
+        self._heard *= _MEMORY
         for hello in hellos:
             source = hello.source
             known = latest.get(source)
-            if known is None or 0 < (hello.sequence - known.sequence) & 0xFFFF < 0x8000:
-                latest[source] = hello
+            if known is None:
+                latest[source] = hello  # what it said before cannot be known
+            else:
+                self._heard += 1.0
+                if 0 < (hello.sequence - known.sequence) & 0xFFFF < 0x8000:
+                    latest[source] = hello
+                    # One hello per tick: a gap is what was lost, or comes late and counts when it does.
+                    gap = (hello.presence.tick - known.presence.tick) & 0xFFFF
+                    self._said += min(max(gap, 1), self._missed_adverts)
             heard_at[source] = tick
         self._presences = None
 

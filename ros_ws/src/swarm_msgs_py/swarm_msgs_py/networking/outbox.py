@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, field
 
+from swarm_msgs_py.frames import encode_frame
 from swarm_msgs_py.messages.radio import Acknowledgement, Packet
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.types import NodeId
+from swarm_msgs_py.networking.pacer import Pacer
+from swarm_msgs_py.types import EVERYONE, NodeId
+
+_OVERHEAD = len(encode_frame(Packet(NodeId(0), 0, EVERYONE, NodeId(0), EVERYONE, 0, 0, b"")))  # bytes around a body
 
 
 @dataclass(slots=True, eq=False)
@@ -37,6 +41,9 @@ class Outbox:
         self.dropped = 0
         """Packets given up: no route for too long, no acknowledgement, or too many waiting."""
 
+    def __len__(self) -> int:
+        return len(self._pending)
+
     def put(self, tick: int, packet: Packet) -> None:
         """Take over a packet; when too many wait, the oldest is dropped."""
         self._pending.append(_Pending(packet, tick, tick))
@@ -56,7 +63,15 @@ class Outbox:
                 if (entry.packet.origin, entry.packet.number) not in arrived or frame.source not in entry.tried
             ]
 
-    def due(self, tick: int, successors: Callable[[NodeId], list[NodeId]]) -> list[tuple[Packet, NodeId]]:
+    def due(
+        self,
+        tick: int,
+        successors: Callable[[NodeId], list[NodeId]],
+        pacer: Pacer,
+        *,
+        delay: int = 0,
+        destinations: Container[NodeId] | None = None,
+    ) -> list[tuple[Packet, NodeId]]:
         """Return the packets to transmit now, each with its next hop.
 
         Parameters
@@ -64,21 +79,28 @@ class Outbox:
         tick : int
         successors : callable
             Possible next hops to a destination, best first.
+        pacer : Pacer
+            Pays for the packets; those for which it has nothing left wait.
+        delay : int
+            Ticks that a frame may take beyond the usual one, and its acknowledgement too.
+        destinations : container of int or None
+            Only packets to these; None: to anyone.
         """
         if not self._pending:
             return []
-        ready, kept = [], []
+        ready, gone = [], set()
         for entry in self._pending:
-            if tick >= entry.next_attempt:
-                choices = successors(entry.packet.destination)
-                if len(entry.tried) >= self._attempts or (not choices and tick - entry.since >= self._hold):
-                    self.dropped += 1
-                    continue
-                if choices:
-                    next_hop = min(choices, key=entry.tried.count)  # the best of those tried least
-                    entry.tried.append(next_hop)
-                    entry.next_attempt = tick + self._patience
-                    ready.append((entry.packet, next_hop))
-            kept.append(entry)
-        self._pending = kept
+            if tick < entry.next_attempt or (destinations is not None and entry.packet.destination not in destinations):
+                continue
+            choices = successors(entry.packet.destination)
+            if len(entry.tried) >= self._attempts or (not choices and tick - entry.since >= self._hold):
+                self.dropped += 1
+                gone.add(id(entry))
+            elif choices and pacer.is_open:
+                next_hop = min(choices, key=entry.tried.count)  # the best of those tried least
+                entry.tried.append(next_hop)
+                entry.next_attempt = tick + self._patience + 2 * delay
+                ready.append((entry.packet, next_hop))
+                pacer.spend(_OVERHEAD + len(entry.packet.body))
+        self._pending = [entry for entry in self._pending if id(entry) not in gone]
         return ready

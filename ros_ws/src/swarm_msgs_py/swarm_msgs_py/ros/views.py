@@ -21,7 +21,7 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.messages.report import AgentReport, Mode
+from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
 from swarm_msgs_py.orientation import quaternion_of
 from swarm_msgs_py.ros.cdr import NANO
 from swarm_msgs_py.ros.channels import publisher
@@ -89,10 +89,18 @@ def path(seconds: float, report: AgentReport) -> Path:
 
 
 def status(robot: NodeId, seconds: float, report: AgentReport) -> DiagnosticArray:
-    """Return a robot's mode, goal, neighbors and frame counts; not well while it has no position."""
-    counters = report.counters
+    """Return a robot's mode, goal, neighbors and frame counts; not well while it does not know where it is."""
+    counters, localization = report.counters, report.localization
     values = {
         "mode": report.mode.name.lower(),
+        "positioning": localization.positioning.name.lower(),
+        "lost_by_beacons": localization.lost_by_beacons,
+        "lost_by_sigma": localization.lost_by_sigma,
+        "position_sigma_m": f"{math.sqrt(float(np.trace(report.covariance)) / 2.0):.3f}",
+        "shared_error": f"{localization.shared:.2f}",
+        "ranges_accepted": localization.accepted,
+        "ranges_rejected": localization.rejected,
+        "beacon_disagreements": localization.disagreements,
         "epoch": report.epoch,
         "goal": report.goal,
         "neighbors": " ".join(namespace_of(neighbor) for neighbor in report.neighbors),
@@ -106,8 +114,9 @@ def status(robot: NodeId, seconds: float, report: AgentReport) -> DiagnosticArra
         "frames_corrupt": counters.corrupt,
         "packets_unroutable": counters.unroutable,
     }
+    is_well = report.mode is not Mode.WAITING and localization.positioning is Positioning.LOCALIZED
     state = DiagnosticStatus(
-        level=DiagnosticStatus.WARN if report.mode is Mode.WAITING else DiagnosticStatus.OK,
+        level=DiagnosticStatus.OK if is_well else DiagnosticStatus.WARN,
         name=robot_name(robot),
         hardware_id=robot_name(robot),
         message=report.mode.name.lower(),

@@ -26,6 +26,8 @@ class RunTotals:
         Frames that exceeded a radio's budget.
     radio_peak_bps : float
         Largest rate of any one radio in any tick [bit/s].
+    radio_neighborhood_peak_bps : float
+        Largest rate of any one radio and all that it hears together, over any second [bit/s].
     """
 
     contacts: int
@@ -34,6 +36,7 @@ class RunTotals:
     radio_bytes: int
     radio_dropped: int
     radio_peak_bps: float
+    radio_neighborhood_peak_bps: float
 
 
 def run_totals(truths: Sequence[TickTruth]) -> RunTotals:
@@ -46,4 +49,5 @@ def run_totals(truths: Sequence[TickTruth]) -> RunTotals:
         radio_bytes=sum(truth.radio.bytes for truth in truths),
         radio_dropped=sum(truth.radio.dropped for truth in truths),
         radio_peak_bps=max((truth.radio.peak_bps for truth in truths), default=0.0),
+        radio_neighborhood_peak_bps=max((truth.radio.neighborhood_bps for truth in truths), default=0.0),
     )

@@ -34,6 +34,12 @@ class Trace:
         Whether the robot's electronics worked in the tick.
     estimates : (t, n, 2) array
         Position that the robot believed in, NaN where it reported none [m].
+    covariances : (t, n, 2, 2) array
+        Of those estimates, as the robot believed, NaN where it reported none [m^2].
+    positioning : (t, n) int array
+        Value of `Positioning` as reported, `NOTHING` where nothing was.
+    beacons : (t, n) int array
+        Beacons among the radio neighbors, as reported.
     modes, goals : (t, n) int array
         As reported, `NOTHING` where nothing was.
     sample_times : (s,) array
@@ -48,6 +54,9 @@ class Trace:
     yaws: FloatArray
     alive: np.ndarray
     estimates: FloatArray
+    covariances: FloatArray
+    positioning: IntArray
+    beacons: IntArray
     modes: IntArray
     goals: IntArray
     sample_times: FloatArray
@@ -79,8 +88,8 @@ class TraceRecorder:
         self._period = period_s
         self._truths: list[TickTruth] = []
         self._estimates: list[FloatArray] = []
-        self._modes: list[IntArray] = []
-        self._goals: list[IntArray] = []
+        self._covariances: list[FloatArray] = []
+        self._states: list[IntArray] = []  # (n, 4): mode, goal, positioning, beacons
 
     def __len__(self) -> int:
         return len(self._truths)
@@ -88,15 +97,17 @@ class TraceRecorder:
     def record(self, truth: TickTruth, reports: Mapping[NodeId, AgentReport]) -> None:
         """Append one tick."""
         count = len(self._robots)
-        estimates = np.full((count, 2), np.nan)
-        modes, goals = np.full(count, NOTHING, dtype=np.int64), np.full(count, NOTHING, dtype=np.int64)
+        estimates, covariances = np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan)
+        states = np.full((count, 4), NOTHING, dtype=np.int64)
+        states[:, 3] = 0
         for robot, report in reports.items():
             row = self._row_of[robot]
-            estimates[row], modes[row], goals[row] = report.position, int(report.mode), report.goal
+            estimates[row], covariances[row] = report.position, report.covariance
+            states[row] = report.mode, report.goal, report.localization.positioning, report.beacons
         self._truths.append(truth)
         self._estimates.append(estimates)
-        self._modes.append(modes)
-        self._goals.append(goals)
+        self._covariances.append(covariances)
+        self._states.append(states)
 
     def totals(self) -> RunTotals:
         """Return the sums over everything recorded so far."""
@@ -106,6 +117,7 @@ class TraceRecorder:
         """Return everything recorded so far; empty axes before the first tick."""
         count, truths = len(self._robots), self._truths
         ticks = len(truths)
+        states = np.moveaxis(np.array(self._states, dtype=np.int64).reshape(ticks, count, 4), 2, 0)
         return Trace(
             robots=self._robots,
             tick_times=np.array([truth.time for truth in truths], dtype=np.float64),
@@ -113,8 +125,11 @@ class TraceRecorder:
             yaws=_stacked([truth.yaws for truth in truths], (ticks, count)),
             alive=np.array([truth.alive for truth in truths], dtype=bool).reshape(ticks, count),
             estimates=_stacked(self._estimates, (ticks, count, 2)),
-            modes=np.array(self._modes, dtype=np.int64).reshape(ticks, count),
-            goals=np.array(self._goals, dtype=np.int64).reshape(ticks, count),
+            covariances=_stacked(self._covariances, (ticks, count, 2, 2)),
+            modes=states[0],
+            goals=states[1],
+            positioning=states[2],
+            beacons=states[3],
             sample_times=sample_times(truths, self._period),
             positions=_joined([t.positions for t in truths[:1]], [t.samples for t in truths], count),
             velocities=_joined([t.velocities for t in truths[:1]], [t.sample_velocities for t in truths], count),

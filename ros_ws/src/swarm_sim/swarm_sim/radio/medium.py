@@ -19,6 +19,7 @@ from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import IntArray, NodeId
 from swarm_sim.config import RadioConfig
 from swarm_sim.radio.links import LinkTable
+from swarm_sim.radio.occupancy import ChannelOccupancy
 
 BITS = 8.0
 
@@ -35,6 +36,8 @@ class RadioTraffic:
         Transmitted by all radios together, parts of frames included.
     peak_bps : float
         Largest rate of any one radio [bit/s].
+    neighborhood_bps : float
+        Largest rate of a radio and all that it hears together, over the second that ends with this tick [bit/s].
     dropped : int
         Frames that no radio will transmit: too much was waiting before them, or the radio went silent.
     """
@@ -42,6 +45,7 @@ class RadioTraffic:
     frames: int = 0
     bytes: int = 0
     peak_bps: float = 0.0
+    neighborhood_bps: float = 0.0
     dropped: int = 0
 
 
@@ -140,6 +144,7 @@ class Medium:
         self._bytes_per_tick = config.budget_bps / BITS * period_s
         self._backlog_max = config.budget_bps / BITS * config.queue_s
         self._transmitters = [_Transmitter() for _ in radios]
+        self._occupancy = ChannelOccupancy(len(self._radios), period_s)
         self._silenced = 0  # frames lost with their radio since the last tick
         # A stream per sender: what one radio sends never changes the luck of another.
         self._rngs = [rng_for(seed, "radio", radio) for radio in radios]
@@ -159,20 +164,27 @@ class Medium:
         frames: list[bytes] = []
         senders: list[int] = []
         misses = []
-        total, peak, dropped = 0, 0, self._silenced
+        sent = np.zeros(len(self._radios), dtype=np.int64)  # bytes
+        dropped = self._silenced
         self._silenced = 0
         # Whole bytes; the fraction that a tick leaves over goes to a later one.
         allowance = int((tick + 1) * self._bytes_per_tick) - int(tick * self._bytes_per_tick)
         for row, (radio, transmitter) in enumerate(zip(self._radios, self._transmitters, strict=True)):
-            accepted, sent, refused = transmitter.send(outboxes.get(radio, ()), allowance, self._backlog_max)
-            total, peak, dropped = total + sent, max(peak, sent), dropped + refused
+            accepted, sent[row], refused = transmitter.send(outboxes.get(radio, ()), allowance, self._backlog_max)
+            dropped += refused
             frames += accepted
             senders += [row] * len(accepted)
             if self._is_random and accepted:
                 misses.append(self._rngs[row].random((len(accepted), 2, len(self._radios))))
         if frames:
             self._launch(tick, frames, np.array(senders), np.concatenate(misses) if misses else None, links)
-        return RadioTraffic(len(frames), total, peak * BITS / self._period_s, dropped)
+        return RadioTraffic(
+            frames=len(frames),
+            bytes=int(sent.sum()),
+            peak_bps=float(sent.max()) * BITS / self._period_s,
+            neighborhood_bps=float(self._occupancy.note(tick, sent, links.connected).max()),
+            dropped=dropped,
+        )
 
     def silence(self, radio: NodeId) -> None:
         """Let a radio that died transmit no more: what it has not completed is dropped.

@@ -15,7 +15,7 @@ from swarm_msgs_py.ros.spin import SLICE_S, spin_for
 from swarm_msgs_py.topics import namespace_of
 from swarm_msgs_py.types import NodeId, node_name
 from swarm_sim.answers import Answers
-from swarm_sim.simulation import TickTruth
+from swarm_sim.simulation import TickTruth, death_line
 
 ANSWER_SHARE = 0.7  # of a tick in real time, in which answers count; the rest is for physics and publishing
 NAMED_MAX = 6  # nodes that one alert names
@@ -41,7 +41,7 @@ class TickResult:
     answered : frozenset of NodeId
         Who answered in time.
     alerts : tuple of str
-        Who fell silent, who is heard again, whom the operator killed.
+        Who fell silent, who is heard again, whom the operator killed, who died as the scenario says.
     lost : frozenset of NodeId
         Who is dead.
     """
@@ -78,6 +78,10 @@ class SteppedWorld(Protocol):
 
     def take_killed(self) -> tuple[NodeId, ...]:
         """Return, once, the robots that the operator has killed."""
+        ...
+
+    def take_died(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that have died because the scenario says so."""
         ...
 
 
@@ -135,6 +139,9 @@ class Lockstep:
         """Run one tick, from publishing to the report."""
         start = self._wait_for_start()
         self._world.begin()
+        for robot in self._world.take_died():
+            self._lost.add(robot)
+            self._alerts.append(death_line(robot))
         self._await_answers(start)
         for robot in self._world.take_killed():
             self._lost.add(robot)

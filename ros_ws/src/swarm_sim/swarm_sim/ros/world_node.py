@@ -77,6 +77,7 @@ class WorldNode(Node):
         self._simulation, self.period_s = simulation, period_s
         self._book = AnswerBook((*simulation.robots, MISSION))
         self._killed: list[NodeId] = []
+        self._died: list[NodeId] = []
         self.answered, self.is_paused = Future(), False
         self._clock_topic = channels.publisher(self, topics.CLOCK)
         self._truth = views.View(self, topics.TRUTH)
@@ -106,6 +107,9 @@ class WorldNode(Node):
     def begin(self) -> None:
         """Publish everything that belongs to the current tick."""
         seen = self._simulation.observe()
+        for robot in self._simulation.take_died():
+            self._died.append(robot)
+            self._book.remove(robot)
         self.answered = Future()
         self._book.open(seen.tick)
         stamp = cdr.stamp(seen.time)
@@ -134,6 +138,11 @@ class WorldNode(Node):
         """Return, once, the robots that the operator has killed."""
         killed, self._killed = tuple(self._killed), []
         return killed
+
+    def take_died(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that have died because the scenario says so."""
+        died, self._died = tuple(self._died), []
+        return died
 
     def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
         """Publish what a robot senses. What is empty stays unsaid: a message costs far more time than its bytes do."""

@@ -1,4 +1,4 @@
-"""Time-of-arrival distances between direct radio neighbors (spec section 4, model `range`)."""
+"""Time-of-arrival distances between direct radio neighbors, with one of the two noise models of spec section 4."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from swarm_msgs_py.messages.sensing import RangeScan
 from swarm_msgs_py.randomness import rng_for
-from swarm_msgs_py.types import IntArray
-from swarm_sim.config import RangingConfig
+from swarm_msgs_py.types import FloatArray, IntArray
+from swarm_sim.config import RangingConfig, RangingModel
 from swarm_sim.radio.links import LinkTable
 
 _NO_SCAN = RangeScan(np.zeros(0, dtype=np.int64), np.zeros(0))
@@ -32,27 +32,49 @@ class Ranging:
 
     def __init__(self, config: RangingConfig, ids: IntArray, period_s: float, seed: int) -> None:
         self._config = config
-        self._every = max(1, round(config.period_s / period_s))
+        self._every = max(1, round((config.period_s or 0.0) / period_s))
         self._ids = ids
         self._seed = seed
 
-    def measure(self, tick: int, links: LinkTable) -> list[RangeScan]:
+    def measure(self, tick: int, positions: FloatArray, links: LinkTable) -> list[RangeScan]:
         """Return one scan per robot; all are empty in a tick in which no ranging is due.
 
         Parameters
         ----------
         tick : int
+        positions : (n, 2) array
+            Of the robots, now [m].
         links : LinkTable
             Links and distances of the radios now, robots first.
         """
         n = len(self._ids)
         if tick % self._every:
             return [_NO_SCAN] * n
-        noise = rng_for(self._seed, "ranging", tick).normal(size=(n, n))
-        # A range is a measured delay, so noise cannot make it negative.
-        ranges = np.maximum(links.distances[:n, :n] + self._config.sigma_m * noise, 0.0)
         rows, columns = np.nonzero(links.connected[:n, :n])
+        if self._config.model is RangingModel.RANGE:
+            values = self._noisy_ranges(tick, links.distances[rows, columns], rows, columns)
+        else:
+            values = self._ranges_from_noisy_points(tick, positions, rows, columns)
         cuts = np.searchsorted(rows, np.arange(n + 1)).tolist()
-        ids, values = self._ids[columns], ranges[rows, columns]
+        ids = self._ids[columns]
         ids.flags.writeable = values.flags.writeable = False
         return [RangeScan(ids[a:b], values[a:b]) for a, b in pairwise(cuts)]
+
+    # Both draw for all robots, or pairs of them, whether linked or not: no link shifts the noise of another.
+
+    def _noisy_ranges(self, tick: int, distances: FloatArray, rows: IntArray, columns: IntArray) -> FloatArray:
+        """Return the distances (k,) with independent noise; the two ends of a link measure apart."""
+        n = len(self._ids)
+        noise = rng_for(self._seed, "ranging", tick).normal(size=(n, n))[rows, columns]
+        # A range is a measured delay, so noise cannot make it negative.
+        values: FloatArray = np.maximum(distances + self._config.sigma_m * noise, 0.0)
+        return values
+
+    def _ranges_from_noisy_points(
+        self, tick: int, positions: FloatArray, rows: IntArray, columns: IntArray
+    ) -> FloatArray:
+        """Return the distances (k,) of the neighbors from where the noise displaced each robot to."""
+        noise = rng_for(self._seed, "ranging from", tick).normal(size=positions.shape)
+        x, y = ((positions + self._config.sigma_m * noise)[rows] - positions[columns]).T
+        values: FloatArray = np.hypot(x, y)
+        return values

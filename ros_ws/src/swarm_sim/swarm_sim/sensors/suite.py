@@ -56,7 +56,7 @@ class SensorSuite:
         return zip(
             self._imu.measure(tick, bodies, mean_accelerations),
             self._fix.measure(tick, bodies.positions),
-            self._ranging.measure(tick, links),
+            self._ranging.measure(tick, bodies.positions, links),
             self._proximity.measure(tick, bodies),
             strict=True,
         )

@@ -1,0 +1,88 @@
+"""Where a lost robot goes: to the middle of the shape, because beacons are likely there (thesis section 3.1.3, E27)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import shapely
+
+from swarm_msgs_py.messages.radio import Presence
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import FloatArray, NodeId
+
+INSIDE_M = 1.0
+"""How far inside the contour the home point lies, where the shape is that wide."""
+
+_CORNERS_MIN = 3
+_TINY = 1e-9  # [m]
+_HALVINGS = 20  # of the inset, for shapes that are narrower than two meters everywhere
+
+
+def home_point(contour: FloatArray) -> FloatArray:
+    """Return the point to which lost robots return, shape (2,) [m].
+
+    The center of the boundary (thesis eq. (3.65)) if it lies at least `INSIDE_M` inside the contour, otherwise the
+    nearest point that does. In a shape too thin for that, the margin is halved until some point keeps it.
+
+    Parameters
+    ----------
+    contour : (k, 2) array
+        Simple closed polygon [m]. If it is none, because a plan was forged, the mean of its corners is returned, or the
+        origin if it has none.
+    """
+    if not _is_simple(contour):
+        return contour.mean(axis=0) if len(contour) else np.zeros(2)
+    shape = shapely.Polygon(contour)
+    center = shape.exterior.centroid
+    clearance = shape.exterior.distance(center) if shape.contains(center) else -1.0
+    margin = INSIDE_M
+    for _ in range(_HALVINGS):
+        if clearance >= margin - _TINY:  # an inset loses places that keep the margin exactly
+            break
+        inner = shape.buffer(-margin)
+        if not inner.is_empty:
+            nearest = shapely.get_coordinates(shapely.shortest_line(inner, center))[0]
+            return np.asarray(nearest)
+        margin /= 2.0
+    inside = center if clearance >= 0.0 else shape.representative_point()
+    return np.array([inside.x, inside.y])
+
+
+def _is_simple(contour: FloatArray) -> bool:
+    if len(contour) < _CORNERS_MIN:
+        return False
+    shape = shapely.Polygon(contour)
+    return bool(shape.is_valid) and shape.area > 0.0
+
+
+def home_destination(
+    robot: NodeId,
+    position: FloatArray,
+    home: FloatArray,
+    neighbors: Iterable[tuple[NodeId, Presence]],
+    spacing: float,
+) -> FloatArray | None:
+    """Return where a robot on its way home goes now: home, or nowhere if another one has that place.
+
+    Parameters
+    ----------
+    robot : NodeId
+    position : (2,) array
+        Own estimate [m].
+    home : (2,) array
+        Home point [m].
+    neighbors : iterable of (NodeId, Presence)
+        Radio neighbors; those that return home as well are kept away from.
+    spacing : float
+        Least distance between robots that have returned home [m]; who is nearer to the home point, or else of lower
+        address, has precedence.
+    """
+    own = (float(np.hypot(*(position - home))), robot)
+    for neighbor, presence in neighbors:
+        if presence.mode != Mode.RETURN_HOME:
+            continue
+        its = (float(np.hypot(*(presence.position - home))), neighbor)
+        if its < own and float(np.hypot(*(presence.position - position))) < spacing:
+            return None
+    return home

@@ -1,0 +1,1 @@
+"""Monte Carlo studies: many simulated runs, one table and one figure."""

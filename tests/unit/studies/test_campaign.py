@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+from studies.campaign import ResultFile, WorkerDiedError, completed
+from studies.code_version import code_version
+
+from swarm_msgs_py.errors import ConfigError
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def die(number: int) -> int:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_results_come_back_from_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    ResultFile(path, "v1").append("a", {"rms_m": 0.1 + 0.2, "achieved": None})
+
+    assert ResultFile(path, "v1").records == {"a": {"rms_m": 0.1 + 0.2, "achieved": None}}
+
+
+def test_a_line_that_a_crash_cut_off_costs_only_itself(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    file = ResultFile(path, "v1")
+    file.append("a", {"rms_m": 1.0})
+    file.append("b", {"rms_m": 2.0})
+    path.write_text(path.read_text()[:-5])
+
+    reopened = ResultFile(path, "v1")
+    reopened.append("c", {"rms_m": 3.0})
+
+    assert reopened.records.keys() == {"a", "c"}
+    assert ResultFile(path, "v1").records == {"a": {"rms_m": 1.0}, "c": {"rms_m": 3.0}}
+
+
+def test_results_of_other_code_are_known_as_such(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    ResultFile(path, "v1").append("a", {"rms_m": 1.0})
+    ResultFile(path, "v2").append("b", {"rms_m": 2.0})
+
+    assert ResultFile(path, "v2").outdated == {"a"}
+    assert ResultFile(path, "v2").records.keys() == {"a", "b"}
+
+
+def test_any_edit_of_the_source_makes_another_version(tmp_path: Path) -> None:
+    source = tmp_path / "scripts" / "one.py"
+    source.parent.mkdir()
+    source.write_text("A = 1\n")
+    before = code_version(tmp_path)
+    source.write_text("A = 2\n")
+
+    assert code_version(tmp_path) != before
+    source.write_text("A = 1\n")
+    assert code_version(tmp_path) == before
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    path.write_bytes(b"\xff\xfe\x00")
+
+    with pytest.raises(ConfigError, match="cannot be read"):
+        ResultFile(path, "v1")
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_every_run_is_performed_once(workers: int) -> None:
+    runs = list(range(5))
+
+    assert sorted(completed(runs, square, workers)) == [(number, number**2) for number in runs]
+
+
+def test_a_worker_that_is_killed_is_one_named_error() -> None:
+    with pytest.raises(WorkerDiedError, match="run the same command again"):
+        list(completed([1, 2], die, 2))

@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from studies.lps_cells import Cell, Experiment, Motion, Trial
+from studies.lps_formation import in_formation, run_formation, shape_of
+
+from bringup.cross_checks import first_plan
+from bringup.layout import robot_types, walls
+from bringup.resolution import contour_of
+from mission_computer.roster import Roster
+from swarm_agent.localization.config import LpsMode
+from swarm_sim.config import RangingModel
+
+SHORT = Trial(robots=14, duration_s=12.0, warm_up_s=6.0)
+
+
+def cell(mode: LpsMode = LpsMode.COOPERATIVE, **changes: object) -> Cell:
+    return Cell(experiment=Experiment.FORMATION, mode=mode, **{"period_s": 0.0, **changes})  # type: ignore[arg-type]
+
+
+def test_seeds_take_the_four_shapes_in_turn() -> None:
+    assert [shape_of(seed) for seed in (1, 2, 3, 4, 5)] == [
+        "formation_1", "formation_2", "formation_3", "formation_4", "formation_1",
+    ]  # fmt: skip
+
+
+def test_every_robot_stands_at_a_goal_of_its_type_and_no_goal_is_taken_twice() -> None:
+    scenario = in_formation(cell(), 1, 14)
+    types = robot_types(scenario)
+    plan = first_plan(scenario, contour_of(scenario), Roster.of(types), walls(scenario))
+    starts = scenario.robots.start.positions_m
+
+    assert starts is not None
+    standing = {(kind.type, *start) for kind, start in zip(types, starts, strict=True)}
+    assert standing == {(int(kind), *goal) for kind, goal in zip(plan.goal_types, plan.goals.tolist(), strict=True)}
+
+
+def test_a_cell_sets_what_sensors_do_and_what_filters_believe_of_them() -> None:
+    scenario = in_formation(cell(LpsMode.LITERAL, sigma_m=3.0, period_s=5.0, share=0.5), 2, 14)
+
+    assert scenario.sim.ranging.model is RangingModel.POSITION
+    assert scenario.agent.lps.mode is LpsMode.LITERAL
+    assert (scenario.sim.ranging.sigma_m, scenario.agent.lps.position_noise_sigma_m) == (3.0, 3.0)
+    assert (scenario.agent.lps.range_sigma_m, scenario.agent.lps.period_s) == (3.0, 5.0)
+    assert (scenario.robots.position_sensor_share, scenario.seed) == (0.5, 2)
+
+
+def test_less_noise_and_more_beacons_make_smaller_errors() -> None:
+    coarse, fine = (run_formation(cell(share=0.3, sigma_m=sigma), 1, SHORT).rms_m for sigma in (4.0, 0.2))
+
+    assert coarse is not None
+    assert fine is not None
+    assert fine < 0.5 * coarse
+
+
+def test_all_samples_after_the_warm_up_of_robots_without_sensor_count() -> None:
+    scores = run_formation(cell(share=0.3), 1, SHORT)
+
+    blind = 14 - 5  # three tenths, rounded up, are beacons
+    assert scores.samples == blind * round((SHORT.duration_s - SHORT.warm_up_s) / 0.5)
+
+
+@pytest.mark.parametrize("motion", [Motion.WANDER, Motion.PARKED])
+def test_motion_is_no_reason_to_lose_oneself(motion: Motion) -> None:
+    rest, other = (run_formation(cell(share=0.3, motion=m), 1, SHORT).max_m for m in (Motion.REST, motion))
+
+    assert rest is not None
+    assert other is not None
+    assert np.isclose(rest, other, atol=0.5)

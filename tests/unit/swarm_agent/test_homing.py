@@ -1,0 +1,178 @@
+"""Home: where the spec says, inside the shape, and with room for each of those that return."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from builders import make_presence
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from mission_computer.shape.library import library_points
+from swarm_agent.decision.homing import INSIDE_M, home_destination, home_point
+from swarm_msgs_py.messages.radio import Presence
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import FloatArray, NodeId
+
+ARC_ERROR = 0.002  # [m]; round corners of an inset are polygons
+HORSESHOE = np.array([[0, 0], [12, 0], [12, 3], [3, 3], [3, 9], [12, 9], [12, 12], [0, 12]], dtype=float)
+SPACING = 3.0
+HOME = np.array([1.0, -2.0])
+
+
+def depth(contour: FloatArray, point: FloatArray) -> float:
+    """Return how far inside the contour a point lies, negative outside [m]."""
+    shape, where = shapely.Polygon(contour), shapely.Point(point)
+    distance = float(shape.exterior.distance(where))
+    return distance if shape.contains(where) else -distance
+
+
+def boundary_center(contour: FloatArray) -> FloatArray:
+    """Return thesis eq. (3.65): the mean of the contour by length."""
+    after = np.roll(contour, -1, axis=0)
+    lengths = np.hypot(*(after - contour).T)
+    return np.asarray(((contour + after) / 2.0 * lengths[:, None]).sum(axis=0) / lengths.sum())
+
+
+def test_in_a_convex_shape_home_is_the_center_of_the_boundary_and_not_of_the_area() -> None:
+    wedge = np.array([[0, 0], [20, -4], [20, 4]], dtype=float)
+
+    assert_allclose(home_point(wedge), boundary_center(wedge), atol=1e-9)
+    assert np.linalg.norm(home_point(wedge) - wedge.mean(axis=0)) > 0.1
+
+
+def test_where_the_center_lies_outside_home_is_the_nearest_point_well_inside() -> None:
+    assert depth(HORSESHOE, boundary_center(HORSESHOE)) < 0.0
+
+    home = home_point(HORSESHOE)
+
+    assert depth(HORSESHOE, home) == pytest.approx(INSIDE_M, abs=ARC_ERROR)
+    grid = np.stack(np.meshgrid(np.linspace(0, 12, 121), np.linspace(0, 12, 121)), axis=-1).reshape(-1, 2)
+    inside = [point for point in grid if depth(HORSESHOE, point) >= INSIDE_M]
+    nearest = min(float(np.linalg.norm(point - boundary_center(HORSESHOE))) for point in inside)
+    assert np.linalg.norm(home - boundary_center(HORSESHOE)) <= nearest + ARC_ERROR
+
+
+def test_a_center_too_close_to_the_edge_moves_inward_to_the_margin() -> None:
+    notched = np.array([[-10, -3], [10, -3], [10, 3], [0.5, 3], [0.0, 0.2], [-0.5, 3], [-10, 3]], dtype=float)
+    assert 0.0 < abs(depth(notched, boundary_center(notched))) < INSIDE_M
+
+    assert depth(notched, home_point(notched)) == pytest.approx(INSIDE_M, abs=ARC_ERROR)
+
+
+@pytest.mark.parametrize("width", [1.9, 0.4, 0.01])
+def test_in_a_shape_thinner_than_the_margin_home_is_still_inside(width: float) -> None:
+    strip = np.array([[0, 0], [9, 0], [9, width], [0, width]])
+
+    assert_allclose(home_point(strip), [4.5, width / 2.0], atol=0.3 * width)
+    assert depth(strip, home_point(strip)) > 0.1 * width
+
+
+# Field `home_point` of the shapes' data sheets; made apart from this code.
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("formation_1", [-4.2123, 2.8033]),
+        ("formation_2", [4.8919, -7.3053]),
+        ("formation_3", [0.007, 0.0015]),
+        ("formation_4", [5.7237, 5.0453]),
+        ("hw_1_trapezoid", [0.0, -0.0669]),
+        ("hw_2_square", [0.0, 0.0]),
+        ("hw_3_pentagon", [0.0, 0.0]),
+        ("hw_4_arrow", [0.0262, 0.0]),
+        ("hw_5_line", [0.0, 0.0]),
+        ("iso_1_circle", [0.0, 0.0]),
+        ("iso_2_rect", [0.0, 0.0]),
+        ("iso_3_rect", [0.0, 0.0]),
+        ("iso_4_free", [0.5152, -0.1407]),
+    ],
+)
+def test_homes_of_the_library_are_those_of_its_data_sheets(name: str, expected: list[float]) -> None:
+    assert_allclose(home_point(library_points(name)), expected, atol=0.02)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(st.integers(3, 12), st.integers(0, 10_000))
+def test_home_is_inside_any_star_shaped_contour(corners: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shift = np.array([30.0, -7.0])
+    angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, corners))
+    contour = rng.uniform(0.5, 20.0, corners)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    if not shapely.Polygon(contour).is_valid or shapely.Polygon(contour).area < 1e-3:
+        return
+
+    assert depth(contour, home_point(contour)) > 0.0
+    assert_allclose(home_point(contour + shift), home_point(contour) + shift, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        np.empty((0, 2)),
+        np.array([[3.0, 4.0]]),
+        np.array([[0.0, 0.0], [2.0, 0.0]]),
+        np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]]),
+        np.full((5, 2), 7.0),
+        np.array([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]),
+    ],
+    ids=["no corner", "point", "segment", "flat", "five times one corner", "bow tie"],
+)
+def test_a_contour_that_is_none_gives_some_point_of_it_and_no_crash(forged: FloatArray) -> None:
+    home = home_point(forged)
+
+    assert home.shape == (2,)
+    assert np.isfinite(home).all()
+    if len(forged):
+        assert (home >= forged.min(axis=0)).all()
+        assert (home <= forged.max(axis=0)).all()
+
+
+def returning(x: float, y: float) -> Presence:
+    return make_presence(x, y, mode=int(Mode.RETURN_HOME), is_beacon=False)
+
+
+def destination(
+    robot: int, position: tuple[float, float], neighbors: dict[int, Presence], spacing: float = SPACING
+) -> FloatArray | None:
+    pairs = [(NodeId(n), presence) for n, presence in neighbors.items()]
+    return home_destination(NodeId(robot), np.array(position), HOME, pairs, spacing)
+
+
+def test_alone_a_robot_drives_home() -> None:
+    assert destination(3, (9.0, 9.0), {}) is HOME
+
+
+def test_who_is_nearer_goes_on_and_who_is_behind_stops_at_the_spacing() -> None:
+    assert destination(3, (3.9, -2.0), {4: returning(1.0, -2.0)}) is None
+    assert destination(3, (4.1, -2.0), {4: returning(1.0, -2.0)}) is HOME
+    assert destination(4, (1.0, -2.0), {3: returning(3.9, -2.0)}) is HOME
+
+
+def test_of_two_at_the_same_distance_the_lower_address_goes_on() -> None:
+    assert destination(3, (2.0, -2.0), {4: returning(0.0, -2.0)}) is HOME
+    assert destination(4, (0.0, -2.0), {3: returning(2.0, -2.0)}) is None
+
+
+@pytest.mark.parametrize("mode", [mode for mode in Mode if mode is not Mode.RETURN_HOME])
+def test_robots_that_have_a_place_in_the_shape_are_no_reason_to_stop(mode: Mode) -> None:
+    assert destination(3, (2.0, -2.0), {4: make_presence(1.0, -2.0, mode=int(mode))}) is HOME
+
+
+def test_returned_robots_settle_three_meters_apart_around_home() -> None:
+    positions = {n: np.random.default_rng(n).uniform(-20.0, 20.0, 2) for n in range(8)}
+    for _ in range(400):
+        told = {n: returning(*point) for n, point in positions.items()}
+        for n, position in list(positions.items()):
+            others = {m: presence for m, presence in told.items() if m != n}
+            target = destination(n, (position[0], position[1]), others)
+            if target is not None:
+                away = target - position
+                positions[n] = position + away * min(1.0, 0.2 / max(float(np.hypot(*away)), 1e-9))
+
+    points = np.array(list(positions.values()))
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=2)[np.triu_indices(8, 1)]
+    assert np.linalg.norm(points - HOME, axis=1).min() < 1e-6
+    assert np.linalg.norm(points - HOME, axis=1).max() < 4.0 * SPACING
+    assert gaps.min() > SPACING - 0.45  # both may move 0.2 m in the last step

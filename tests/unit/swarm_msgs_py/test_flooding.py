@@ -1,0 +1,185 @@
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+from mesh_lab import MeshLab
+from oracles import hop_counts
+
+from swarm_msgs_py.messages.radio import Packet
+from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.networking.flooding import FloodQueue, Vicinity, copies_against, must_relay
+from swarm_msgs_py.types import EVERYONE, NodeId
+
+ME, ORIGIN = NodeId(0), NodeId(9)
+SETTLED = 12
+
+
+def make_packet(number: int = 1, origin: NodeId = ORIGIN) -> Packet:
+    return Packet(origin, 0, EVERYONE, origin, EVERYONE, number, 5, b"")
+
+
+def make_vicinity(neighbors: Iterable[int], links: Iterable[tuple[int, int]] = (), node: NodeId = ME) -> Vicinity:
+    """Return what `node` knows: its neighbors, and which of them hear each other."""
+    ids = np.array(sorted(neighbors), dtype=np.int64)
+    hears = np.eye(len(ids), dtype=np.bool_)
+    for a, b in links:
+        row, column = np.searchsorted(ids, (a, b))
+        hears[row, column] = hears[column, row] = True
+    return Vicinity(node, ids, hears)
+
+
+def test_a_neighbor_that_nobody_else_is_known_to_serve_is_served() -> None:
+    assert must_relay(make_packet(), [NodeId(1)], make_vicinity([1, 2]), copies=1)
+
+
+def test_a_neighbor_that_heard_the_transmitter_itself_needs_no_relay() -> None:
+    assert not must_relay(make_packet(), [NodeId(1)], make_vicinity([1, 2], [(1, 2)]), copies=1)
+
+
+def test_nobody_relays_to_the_transmitter_and_the_origin_alone() -> None:
+    assert not must_relay(make_packet(), [NodeId(1)], make_vicinity([1, 9]), copies=3)
+
+
+def test_every_copy_that_was_overheard_counts() -> None:
+    vicinity = make_vicinity([1, 2, 3], [(1, 3), (2, 3)])
+
+    assert must_relay(make_packet(), [NodeId(1)], vicinity, copies=2)
+    assert not must_relay(make_packet(), [NodeId(1), NodeId(2)], vicinity, copies=2)
+
+
+def test_exactly_one_of_two_holders_serves_a_common_neighbor_and_they_take_turns() -> None:
+    """Radio 1 was heard by 0 and 2, which hear each other; 3 hears only these two."""
+    turns = []
+    for number in range(200):
+        packet = make_packet(number)
+        mine = must_relay(packet, [NodeId(1)], make_vicinity([1, 2, 3], [(1, 2), (2, 3)]), copies=1)
+        others = make_vicinity([0, 1, 3], [(0, 1), (0, 3)], node=NodeId(2))
+        assert mine != must_relay(packet, [NodeId(1)], others, copies=1)
+        turns.append(mine)
+
+    assert 60 < sum(turns) < 140
+
+
+@pytest.mark.parametrize(
+    ("loss", "redundancy", "copies"),
+    [(0.0, 1, 2), (-0.05, 0, 1), (0.01, 0, 2), (0.1, 1, 3), (0.3, 1, 6), (0.3, 9, 10), (1.0, 0, 10)],
+)
+def test_the_more_frames_are_lost_the_more_copies_are_wanted(loss: float, redundancy: int, copies: int) -> None:
+    assert copies_against(loss, redundancy) == copies
+
+
+def test_own_packets_go_first_and_without_question_then_the_oldest() -> None:
+    queue = FloodQueue(8)
+    first, second, own = make_packet(1), make_packet(2), make_packet(7, ME)
+    queue.put(0, first, NodeId(1))
+    queue.put(0, second, NodeId(1))
+    queue.put_own(own)
+    vicinity = make_vicinity([1, 2])
+
+    assert [queue.next(0, vicinity, 1) for _ in range(4)] == [own, first, second, None]
+
+
+def test_a_packet_that_others_have_relayed_while_it_waited_is_given_up() -> None:
+    queue = FloodQueue(8)
+    queue.put(0, make_packet(), NodeId(1))
+    queue.overhear((ORIGIN, 1), NodeId(2))
+
+    assert queue.next(0, make_vicinity([1, 2, 3], [(2, 3)]), 1) is None
+    assert len(queue) == 0
+
+
+def test_the_queue_is_bounded_and_drops_the_oldest() -> None:
+    queue = FloodQueue(4)
+    for number in range(10):
+        queue.put(0, make_packet(number), NodeId(1))
+        queue.put_own(make_packet(number, ME))
+
+    assert len(queue) == 8
+    assert queue.dropped == 12
+    packets = [queue.next(0, make_vicinity([1, 2]), 1) for _ in range(8)]
+    assert [packet.number for packet in packets if packet] == [6, 7, 8, 9] * 2
+
+
+def test_of_many_who_hold_a_long_packet_only_as_many_relay_at_once_as_the_channel_has_room_for() -> None:
+    """Radios 1 to 20 heard 50, hear each other, and each has a neighbor 100 + n of its own that must be served."""
+    holders = range(1, 21)
+    packet = Packet(ORIGIN, 0, EVERYONE, ORIGIN, EVERYONE, 1, 5, bytes(1000))
+    links = [(a, b) for b in (*holders, 50) for a in holders if a < b]
+    turns = []
+    for holder in holders:
+        queue = FloodQueue(4)
+        queue.put(7, packet, NodeId(50))
+        others = [other for other in (*holders, 50) if other != holder]
+        vicinity = make_vicinity(
+            [*others, 100 + holder], [pair for pair in links if holder not in pair], NodeId(holder)
+        )
+        turns.append(next(tick for tick in range(7, 20) if queue.next(tick, vicinity, 1, room=4000.0)))
+
+    assert sorted(turns) == [7] * 4 + [8] * 4 + [9] * 4 + [10] * 4 + [11] * 4
+
+
+def grid(side: int) -> list[tuple[int, int]]:
+    """Return the links of a square grid with diagonals over two steps: about twenty neighbors for each radio."""
+    points = [(i, j) for i in range(side) for j in range(side)]
+    return [
+        (a, b)
+        for b in range(len(points))
+        for a in range(b)
+        if max(abs(points[a][0] - points[b][0]), abs(points[a][1] - points[b][1])) <= 2
+    ]
+
+
+def test_in_a_dense_mesh_most_radios_stay_silent_and_everybody_hears_every_flood() -> None:
+    links = grid(6)
+    lab = MeshLab(36, links, config=NetworkConfig(flood_redundancy=0, paced_bps=1e9))
+    lab.run(SETTLED)
+    before = sum(node.counters.frames_sent for node in lab.nodes.values())
+
+    for _ in range(10):
+        lab.receive()
+        lab.nodes[0].flood(b"x")
+        lab.transmit()
+    lab.run(12)
+
+    floods = sum(node.counters.frames_sent for node in lab.nodes.values()) - before - 22 * 36
+    assert {node: len(deliveries) for node, deliveries in lab.deliveries.items()} == dict.fromkeys(range(1, 36), 10)
+    assert floods <= 10 * 36 / 2
+
+
+def test_floods_reach_nearly_everybody_although_a_third_of_all_frames_is_lost() -> None:
+    lab = MeshLab(36, grid(6), seed=5, loss=0.3, config=NetworkConfig(paced_bps=1e9))
+    lab.run(SETTLED)
+
+    for _ in range(20):
+        lab.receive()
+        lab.nodes[0].flood(b"x")
+        lab.transmit()
+    lab.run(12)
+
+    assert sum(map(len, lab.deliveries.values())) >= 0.99 * 20 * 35
+
+
+def test_a_crowd_that_floods_at_once_keeps_to_its_share_of_the_channel_and_gets_everything_through() -> None:
+    """Twenty radios that all hear each other flood 20 packets of 500 bytes each: 1.6 Mbit for one copy."""
+    radios, paced, body = 20, 100_000.0, bytes(500)
+    links = [(a, b) for b in range(radios) for a in range(b)]
+    lab = MeshLab(radios, links, config=NetworkConfig(flood_redundancy=0, paced_bps=paced))
+    lab.run(SETTLED)
+    assert set(hop_counts(links, 0).values()) == {0, 1}
+
+    lab.receive()
+    for node in lab.nodes.values():
+        for _ in range(20):
+            node.flood(body)
+    loads = []
+    for _ in range(60):
+        before = sum(node.counters.bytes_sent for node in lab.nodes.values())
+        lab.transmit()
+        hellos = 250 * radios  # at most: a full dump
+        loads.append(sum(node.counters.bytes_sent for node in lab.nodes.values()) - before - hellos)
+        lab.receive()
+
+    assert max(loads[k] + loads[k + 1] for k in range(59)) <= paced / 8 + radios * 600
+    assert all(len(lab.deliveries[node]) == 19 * 20 for node in range(radios))
