@@ -13,8 +13,10 @@ import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
+SHAPES = ("formation_1", "formation_2", "formation_3", "formation_4")
 LAUNCHER = Path(__file__).resolve().parents[1] / "scripts" / "launch_swarm.py"
 Metrics = dict[str, Any]
 
@@ -38,14 +40,18 @@ SPEED_CASES = (
 
 QUALITY_COLUMNS: dict[str, Callable[[Metrics], str]] = {
     "seed": lambda m: str(m["seed"]),
+    "shape": lambda m: m["shape"].removeprefix("formation_"),
     "achieved": lambda m: "yes" if m["achieved"] else f"no: {m['reason']}",
     "collisions": lambda m: str(m["collisions"]),
     "displacement [m]": lambda m: _number(m["total_displacement_m"]),
     "/ bound": lambda m: _number(m["displacement_ratio"], 3),
     "settling [s]": lambda m: _number(m["settling_time_s"]),
-    "bottleneck [s]": lambda m: _number(m["bottleneck_time_s"]),
-    "1.25 x bottleneck + 10 [s]": lambda m: _number(_settling_limit(m)),
-    "radio peak [kbit/s]": lambda m: _number(m["radio_peak_bps"] / 1000.0),
+    "/ bottleneck": lambda m: _number(_slowness(m), 3),
+    "localization rms / p99 / max [m]": lambda m: " / ".join(
+        _number(m[f"localization_{name}_m"], 2) for name in ("rmse", "p99", "max")
+    ),
+    "NEES in band": lambda m: _number(m["localization_consistent"], 3),
+    "peak around a radio [kbit/s]": lambda m: _number(m["radio_neighborhood_peak_bps"] / 1000.0),
 }
 
 SPEED_COLUMNS: dict[str, Callable[[Metrics], str]] = {
@@ -70,22 +76,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenario", default="formation-50", help="what to run (default: %(default)s)")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5], help="seeds of the quality table")
+    parser.add_argument("--seeds", type=int, nargs="+", default=list(range(1, 21)), help="of the quality table")
     parser.add_argument("--table", choices=["quality", "speed", "both"], default="both")
     return parser
 
 
 def _quality(scenario: str, seeds: Sequence[int]) -> bool:
-    """Print one row per seed, on the ROS engine; return whether all runs were achieved."""
+    """Print one row per seed, on the ROS engine, the shapes in turn; return whether all runs were achieved."""
     print(f"\n### Quality: {scenario}, ROS engine, PyBullet\n")
     _print_row(list(QUALITY_COLUMNS))
     _print_row(["---"] * len(QUALITY_COLUMNS))
-    achieved = True
+    rows = []
     for seed in seeds:
-        metrics = _run(scenario, seed, SPEED_CASES[0].options)
+        shape = SHAPES[(seed - 1) % len(SHAPES)]
+        metrics = _run(scenario, seed, (*SPEED_CASES[0].options, "--shape", shape)) | {"shape": shape}
         _print_row([column(metrics) for column in QUALITY_COLUMNS.values()])
-        achieved &= metrics["achieved"]
-    return achieved
+        rows.append(metrics)
+    achieved = sum(metrics["achieved"] for metrics in rows)
+    collisions = sum(metrics["collisions"] for metrics in rows)
+    print(f"\n{achieved} of {len(rows)} achieved, {collisions} collisions; means and worst:")
+    for name, values in {
+        "displacement / bound": [metrics["displacement_ratio"] for metrics in rows],
+        "settling / bottleneck": [_slowness(metrics) for metrics in rows],
+        "localization rms [m]": [metrics["localization_rmse_m"] for metrics in rows],
+        "peak around a radio [kbit/s]": [metrics["radio_neighborhood_peak_bps"] / 1000.0 for metrics in rows],
+    }.items():
+        known = [value for value in values if value is not None]
+        if known:
+            print(f"- {name}: {fmean(known):.3f}, {max(known):.3f}")
+    return achieved == len(rows)
 
 
 def _speed(scenario: str, seed: int) -> bool:
@@ -121,10 +140,10 @@ def _run(scenario: str, seed: int, options: Sequence[str]) -> Metrics:
         return metrics
 
 
-def _settling_limit(metrics: Metrics) -> float | None:
-    """Return the time that a good run may take to settle [s]: the longest way at full speed, and some more."""
-    bottleneck = metrics["bottleneck_time_s"]
-    return None if bottleneck is None else 1.25 * bottleneck + 10.0
+def _slowness(metrics: Metrics) -> float | None:
+    """Return the settling time over what the longest of the shortest paths takes at full speed."""
+    settling, bottleneck = metrics["settling_time_s"], metrics["bottleneck_time_s"]
+    return None if settling is None or bottleneck is None else settling / bottleneck
 
 
 def _number(value: float | None, digits: int = 1) -> str:

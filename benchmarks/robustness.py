@@ -1,7 +1,7 @@
 """Measures how the decision bears a bad radio, dying robots and a network that falls apart; prints Markdown tables.
 
-Three experiments, each over seeds: `loss` (frames lost and delayed), `kills` (a fifth of the robots dies at random
-ticks) and `split` (an obstacle field parts the network, which merges again behind it). Every run has a process of its
+Three experiments, each over seeds: `loss` (frames lost and delayed), `kills` (a fifth of the robots, three of the eight
+that carry a position sensor among them, dies at random ticks) and `split` (an obstacle field parts the network, which merges again behind it). Every run has a process of its
 own. With ``--out FILE`` each finished run is appended to the file as a line of JSON, and runs that the file has are not
 run again; Ctrl-C keeps and prints what was done.
 """
@@ -14,7 +14,7 @@ import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -34,6 +34,7 @@ from bringup.compose import ScenarioActors
 from bringup.engine import Engine
 from bringup.inprocess import InProcessEngine
 from bringup.labels import first_few
+from bringup.layout import sensor_carriers
 from bringup.resolution import resolve
 from bringup.results import Outcome, Timing, formation_metrics
 from bringup.scenario_file import Override, load_scenario, parse_assignment
@@ -46,10 +47,11 @@ from swarm_sim.metrics.trace import TraceRecorder
 
 Result = dict[str, Any]
 SHAPES = ("formation_1", "formation_2", "formation_3", "formation_4")
-KILLED_SHARE, KILLED_FROM_S, KILLED_TO_S = 0.2, 10.0, 110.0  # the last ones when most robots are parked
+KILLED_SHARE, KILLED_BEACONS = 0.2, 3
+KILLED_FROM_S, KILLED_TO_S = 10.0, 110.0  # the last ones when most robots are parked
 KEPT = (
     *("achieved", "reason", "settling_time_s", "bottleneck_time_s", "displacement_ratio", "collisions"),
-    *("min_clearance_m", "lost_robots", "radio_peak_bps", "wall_time_s"),
+    *("min_clearance_m", "lost_robots", "radio_neighborhood_peak_bps", "wall_time_s"),
 )
 
 
@@ -80,7 +82,9 @@ COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
     "least gap [m]": lambda runs: _number(min(run["min_clearance_m"] for run in runs), 3),
     "settling, mean / worst [s]": lambda runs: _mean_and_worst(runs, "settling_time_s"),
     "displacement / bound": lambda runs: _mean_and_worst(runs, "displacement_ratio", 3),
-    "radio peak [kbit/s]": lambda runs: _number(max(run["radio_peak_bps"] for run in runs) / 1000.0),
+    "neighborhood peak [kbit/s]": lambda runs: _number(
+        max(run["radio_neighborhood_peak_bps"] for run in runs) / 1000.0
+    ),
 }
 SPLIT_COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
     "longest split, mean / worst [s]": lambda runs: _mean_and_worst(runs, "longest_split_s"),
@@ -213,17 +217,25 @@ def _overrides(task: Task) -> tuple[Override, ...]:
     overrides = [parse_assignment(text) for text in (*settings, *task.settings)]
     if task.experiment == "kills":
         scenario, _ = load_scenario(task.scenario, tuple(overrides))
-        events = kills(task.seed, scenario.robots.count, scenario.sim.period_s)
+        beacons = sensor_carriers(scenario)
+        events = kills(task.seed, scenario.robots.count, beacons, scenario.sim.period_s)
         overrides.append(Override("kills", "events", events))
     return tuple(overrides)
 
 
-def kills(seed: int, robots: int, period_s: float) -> list[dict[str, Any]]:
-    """Return the events that kill a fifth of the robots, at ticks drawn from the seed."""
+def kills(seed: int, robots: int, beacons: Collection[int], period_s: float) -> list[dict[str, Any]]:
+    """Return the events that kill a fifth of the robots, `KILLED_BEACONS` beacons among them.
+
+    Who and when is drawn from the seed. If there are too few other robots, more beacons die.
+    """
     rng = rng_for(seed, "robustness-kills", 0)
-    victims = rng.choice(robots, size=round(KILLED_SHARE * robots), replace=False)
+    count = round(KILLED_SHARE * robots)
+    some = rng.permutation(sorted(beacons))[:KILLED_BEACONS].tolist()
+    others = rng.permutation(sorted(set(range(robots)) - set(beacons))).tolist()
+    spare = [robot for robot in sorted(beacons) if robot not in some]
+    victims = [*some, *others, *spare][:count]
     ticks = rng.integers(round(KILLED_FROM_S / period_s), round(KILLED_TO_S / period_s), size=len(victims))
-    pairs = sorted(zip(ticks.tolist(), victims.tolist(), strict=True))
+    pairs = sorted(zip(ticks.tolist(), victims, strict=True))
     return [{"at_s": tick * period_s, "kill": [victim]} for tick, victim in pairs]
 
 

@@ -70,7 +70,7 @@ class MeshLab:
     def transmit(self) -> None:
         """End the tick: every node transmits, and the links decide who will hear it."""
         for name, node in self.nodes.items():
-            frames = node.transmit(self.tick, make_presence(float(name)))
+            frames = node.transmit(self.tick, make_presence(float(name), tick=self.tick & 0xFFFF))
             for a, b in self.links:
                 other = b if a == name else a
                 if name in (a, b) and other in self.nodes:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import difflib
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import NoReturn
 
+from bringup.option_types import OneLineParser, choice, folder, whole
 from bringup.scenario_file import (
     ROBOT_COUNT,
     Override,
@@ -91,21 +89,8 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
     )
 
 
-class _OneLineParser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with a remedy, as everything else here does."""
-
-    def error(self, message: str) -> NoReturn:
-        match = re.match(r"unrecognized arguments: (\S+)", message)
-        if match:
-            options = [option for action in self._actions for option in action.option_strings]
-            near = difflib.get_close_matches(match[1].partition("=")[0], options, n=1)
-            remedy = f"did you mean '{near[0]}'?" if near else "see --help for all options"
-            raise ConfigError(f"{match[1]}: unknown option; {remedy}")
-        raise ConfigError(message.removeprefix("argument ").replace("\n", " "))
-
-
 def _make_parser() -> argparse.ArgumentParser:
-    parser = _OneLineParser(
+    parser = OneLineParser(
         prog="launch_swarm.py",
         description="Run a swarm: it forms a shape, on ROS 2 or in this process, and leaves a folder of results.",
         epilog=f"Ready-made scenarios: {', '.join(scenario_names())}. Exit code 0: mission achieved; 1: not achieved; "
@@ -117,15 +102,15 @@ def _make_parser() -> argparse.ArgumentParser:
     add("--shape", metavar="NAME|FILE", help="form this shape instead of the scenario's")
     add("--map", metavar="NAME|FILE", help="in this arena instead of the scenario's")
     add("--method", metavar="M", help="method of the mission, for example bubble-packing")
-    add("--agents", metavar="N", type=_whole(1, 1000), help="number of robots; keeps the mix of types")
-    add("--seed", metavar="S", type=_whole(0, SEED_MAX), help="seed of everything that is drawn")
-    add("--engine", metavar="ENGINE", type=_choice(EngineKind), default=EngineKind.ROS.value,
+    add("--agents", metavar="N", type=whole(1, 1000), help="number of robots; keeps the mix of types")
+    add("--seed", metavar="S", type=whole(0, SEED_MAX), help="seed of everything that is drawn")
+    add("--engine", metavar="ENGINE", type=choice(EngineKind), default=EngineKind.ROS.value,
         help="ros or inprocess (default: %(default)s)")  # fmt: skip
-    add("--physics", metavar="BACKEND", type=_choice(Backend), help="bullet or massdamper")
-    add("--agents-per-process", metavar="K", type=_whole(1, 1000), help="agent nodes in one operating-system process")
+    add("--physics", metavar="BACKEND", type=choice(Backend), help="bullet or massdamper")
+    add("--agents-per-process", metavar="K", type=whole(1, 1000), help="agent nodes in one operating-system process")
     add("--real-time", action="store_true", help="pace ticks by the wall clock")
     add("--record", action="store_true", help="record all topics (not in this version)")
-    add("--out", metavar="DIR", type=_folder, help="new or empty folder (default: runs/<time>-<scenario>-<seed>)")
+    add("--out", metavar="DIR", type=folder, help="new or empty folder (default: runs/<time>-<scenario>-<seed>)")
     add("--json", action="store_true", help="print the metrics, and nothing else, on standard output")
     add("--set", metavar="KEY=VALUE", action="append", default=[],
         help="change one setting of the scenario; the end of its key is enough where it is unique")  # fmt: skip
@@ -148,34 +133,3 @@ def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
     if given.physics is not None:
         overrides.append(Override(f"--physics {given.physics}", "sim.physics.backend", given.physics))
     return (*overrides, *(parse_assignment(text) for text in given.set))
-
-
-def _whole(minimum: int, maximum: int) -> Callable[[str], int]:
-    """Return a parser of whole numbers in a range."""
-
-    def parse(text: str) -> int:
-        if not re.fullmatch(r"[+-]?\d+", text) or not minimum <= int(text) <= maximum:
-            raise argparse.ArgumentTypeError(f"expected a whole number from {minimum} to {maximum}, got '{text}'")
-        return int(text)
-
-    return parse
-
-
-def _choice(kind: type[Enum]) -> Callable[[str], str]:
-    """Return a parser of the values of an enumeration, which knows what was meant."""
-    known = [str(member.value) for member in kind]
-
-    def parse(text: str) -> str:
-        if text not in known:
-            near = difflib.get_close_matches(text, known, n=1)
-            remedy = f"did you mean '{near[0]}'?" if near else f"choose from: {', '.join(known)}"
-            raise argparse.ArgumentTypeError(f"there is no '{text}'; {remedy}")
-        return text
-
-    return parse
-
-
-def _folder(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("expected a folder, got ''")
-    return Path(text)

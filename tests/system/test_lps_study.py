@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from source_tree import ROOT
+
 from studies.lps_cli import CSV, FIGURE, RESULTS, TABLE, main
 
 STUDY = ROOT / "scripts" / "lps_study.py"

@@ -339,4 +339,4 @@ def test_a_plan_too_large_for_a_packet_is_refused_with_its_size() -> None:
 
     assert outputs.plan is None
     assert "bytes; a packet carries at most" in outputs.report.notice
-    assert "9000 corners" in outputs.report.notice
+    assert "18000 corners" in outputs.report.notice

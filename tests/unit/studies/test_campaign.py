@@ -5,9 +5,9 @@ import signal
 from pathlib import Path
 
 import pytest
+
 from studies.campaign import ResultFile, WorkerDiedError, completed
 from studies.code_version import code_version
-
 from swarm_msgs_py.errors import ConfigError
 
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from studies.lps_arguments import parse_arguments
 from studies.lps_cells import Design, Experiment, Motion, SweepKind, Trial
-
 from swarm_agent.localization.config import LpsMode
 from swarm_msgs_py.errors import ConfigError
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from studies.lps_cells import Cell, Design, Experiment, Run, SweepKind, Trial, cells, mission_cells, sweeps
-
 from swarm_agent.localization.config import LpsMode
 from swarm_sim.config import RangingModel
 

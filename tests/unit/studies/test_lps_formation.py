@@ -2,13 +2,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from studies.lps_cells import Cell, Experiment, Motion, Trial
-from studies.lps_formation import in_formation, run_formation, shape_of
 
 from bringup.cross_checks import first_plan
 from bringup.layout import robot_types, walls
 from bringup.resolution import contour_of
 from mission_computer.roster import Roster
+from studies.lps_cells import Cell, Experiment, Motion, Trial
+from studies.lps_formation import in_formation, run_formation, shape_of
 from swarm_agent.localization.config import LpsMode
 from swarm_sim.config import RangingModel
 

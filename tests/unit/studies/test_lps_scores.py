@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from studies.lps_scores import score
 
 TICKS, ROBOTS = 400, 50

@@ -4,11 +4,11 @@ import csv
 import io
 
 import pytest
+
 from studies.lps_cells import BASE_PERIOD_S, CONTROL_RATE, Cell, Design, Experiment, Run, Trial, cells
 from studies.lps_figure import study_figure
 from studies.lps_summary import Summary, targets
 from studies.lps_tables import as_csv, as_markdown, target_rows
-
 from swarm_agent.localization.config import LpsMode
 
 LITERAL = Cell(experiment=Experiment.FORMATION, mode=LpsMode.LITERAL, period_s=BASE_PERIOD_S)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from studies.wandering import RADIUS_M, SPEED_MAX_MPS, Wandering
 
 PERIOD = 0.5

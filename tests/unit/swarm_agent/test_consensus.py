@@ -65,7 +65,8 @@ class Room:
             goals = len(mind.book.plan.goals) if mind.book.plan else 0
             mind.offer(self._tick, np.full(goals, 100 + i), mesh)
         book = mind.book
-        return mesh.transmit(self._tick, make_presence(mode=int(Mode.UNASSIGNED), epoch=book.epoch, digest=book.digest))
+        presence = make_presence(tick=self._tick, mode=int(Mode.UNASSIGNED), epoch=book.epoch, digest=book.digest)
+        return mesh.transmit(self._tick, presence)
 
     @property
     def rows(self) -> list[int]:
@@ -300,6 +301,7 @@ def test_nobody_is_asked_for_a_plan_with_an_absurd_number() -> None:
     assert mesh.carried == []
     mesh.receive(31, boaster.transmit(0, presence(2)))
     mind.repair(31, mesh)
+    mind.repair(33, mesh)
 
     assert [asked for asked, _ in mesh.carried] == [1]
 

@@ -9,11 +9,12 @@ from oracles import hop_counts
 
 from swarm_msgs_py.messages.radio import Packet
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.networking.flooding import FloodQueue, Vicinity, copies_against, must_relay
+from swarm_msgs_py.networking.flooding import FloodQueue, RelayPolicy, Vicinity, must_relay, policy_against
 from swarm_msgs_py.types import EVERYONE, NodeId
 
 ME, ORIGIN = NodeId(0), NodeId(9)
 SETTLED = 12
+ONE_COPY = RelayPolicy(1)
 
 
 def make_packet(number: int = 1, origin: NodeId = ORIGIN) -> Packet:
@@ -63,11 +64,20 @@ def test_exactly_one_of_two_holders_serves_a_common_neighbor_and_they_take_turns
 
 
 @pytest.mark.parametrize(
-    ("loss", "redundancy", "copies"),
-    [(0.0, 1, 2), (-0.05, 0, 1), (0.01, 0, 2), (0.1, 1, 3), (0.3, 1, 6), (0.3, 9, 10), (1.0, 0, 10)],
+    ("loss", "redundancy", "delay", "policy"),
+    [
+        (0.0, 1, 0, RelayPolicy(2)),
+        (0.03, 0, 3, RelayPolicy(1)),
+        (0.1, 1, 0, RelayPolicy(2, 2, 2)),
+        (0.1, 4, 0, RelayPolicy(5, 2, 2)),
+        (0.3, 1, 1, RelayPolicy(4, 4, 4)),
+        (1.0, 0, 0, RelayPolicy(7, 7, 2)),
+    ],
 )
-def test_the_more_frames_are_lost_the_more_copies_are_wanted(loss: float, redundancy: int, copies: int) -> None:
-    assert copies_against(loss, redundancy) == copies
+def test_the_more_frames_are_lost_the_more_is_done_for_each(
+    loss: float, redundancy: int, delay: int, policy: RelayPolicy
+) -> None:
+    assert policy_against(loss, redundancy, delay) == policy
 
 
 def test_own_packets_go_first_and_without_question_then_the_oldest() -> None:
@@ -75,10 +85,10 @@ def test_own_packets_go_first_and_without_question_then_the_oldest() -> None:
     first, second, own = make_packet(1), make_packet(2), make_packet(7, ME)
     queue.put(0, first, NodeId(1))
     queue.put(0, second, NodeId(1))
-    queue.put_own(own)
+    queue.put_own(0, own)
     vicinity = make_vicinity([1, 2])
 
-    assert [queue.next(0, vicinity, 1) for _ in range(4)] == [own, first, second, None]
+    assert [queue.next(0, vicinity, ONE_COPY) for _ in range(4)] == [own, first, second, None]
 
 
 def test_a_packet_that_others_have_relayed_while_it_waited_is_given_up() -> None:
@@ -86,7 +96,7 @@ def test_a_packet_that_others_have_relayed_while_it_waited_is_given_up() -> None
     queue.put(0, make_packet(), NodeId(1))
     queue.overhear((ORIGIN, 1), NodeId(2))
 
-    assert queue.next(0, make_vicinity([1, 2, 3], [(2, 3)]), 1) is None
+    assert queue.next(0, make_vicinity([1, 2, 3], [(2, 3)]), ONE_COPY) is None
     assert len(queue) == 0
 
 
@@ -94,12 +104,51 @@ def test_the_queue_is_bounded_and_drops_the_oldest() -> None:
     queue = FloodQueue(4)
     for number in range(10):
         queue.put(0, make_packet(number), NodeId(1))
-        queue.put_own(make_packet(number, ME))
+        queue.put_own(0, make_packet(number, ME))
 
     assert len(queue) == 8
     assert queue.dropped == 12
-    packets = [queue.next(0, make_vicinity([1, 2]), 1) for _ in range(8)]
+    packets = [queue.next(0, make_vicinity([1, 2]), ONE_COPY) for _ in range(9)]
     assert [packet.number for packet in packets if packet] == [6, 7, 8, 9] * 2
+
+
+def sending_ticks(queue: FloodQueue, vicinity: Vicinity, policy: RelayPolicy, ticks: Iterable[int]) -> list[int]:
+    return [tick for tick in ticks if queue.next(tick, vicinity, policy) is not None]
+
+
+def test_where_frames_are_lost_a_bridge_repeats_a_packet_until_it_hears_that_it_went_on() -> None:
+    policy, vicinity = RelayPolicy(copies=4, repeats=4, answer_ticks=3), make_vicinity([1, 2])
+    queue = FloodQueue(8)
+    queue.put(0, make_packet(), NodeId(1))
+
+    unanswered = sending_ticks(queue, vicinity, policy, range(5))
+    queue.overhear((ORIGIN, 1), NodeId(2))
+    answered = sending_ticks(queue, vicinity, policy, range(5, 20))
+
+    assert (unanswered, answered) == ([0, 3], [])
+    assert len(queue) == 0
+
+
+def test_nothing_is_repeated_more_often_than_the_loss_calls_for() -> None:
+    policy, vicinity = RelayPolicy(copies=4, repeats=3, answer_ticks=2), make_vicinity([1, 2])
+    queue = FloodQueue(8)
+    queue.put_own(0, make_packet(7, ME))
+
+    assert sending_ticks(queue, vicinity, policy, range(20)) == [0, 2, 4]
+    assert len(queue) == 0
+
+
+def test_neighbors_that_had_all_copies_already_cause_no_repetition() -> None:
+    policy = RelayPolicy(copies=2, repeats=2, answer_ticks=2)
+    queue = FloodQueue(8)
+    vicinity = make_vicinity([1, 2, 3], [(2, 3)])
+    queue.put(0, make_packet(), NodeId(1))
+
+    first = sending_ticks(queue, vicinity, policy, range(1))
+    queue.overhear((ORIGIN, 1), NodeId(3))
+
+    assert first == [0]
+    assert sending_ticks(queue, vicinity, policy, range(1, 20)) == []
 
 
 def test_of_many_who_hold_a_long_packet_only_as_many_relay_at_once_as_the_channel_has_room_for() -> None:
@@ -115,7 +164,7 @@ def test_of_many_who_hold_a_long_packet_only_as_many_relay_at_once_as_the_channe
         vicinity = make_vicinity(
             [*others, 100 + holder], [pair for pair in links if holder not in pair], NodeId(holder)
         )
-        turns.append(next(tick for tick in range(7, 20) if queue.next(tick, vicinity, 1, room=4000.0)))
+        turns.append(next(tick for tick in range(7, 20) if queue.next(tick, vicinity, ONE_COPY, room=4000.0)))
 
     assert sorted(turns) == [7] * 4 + [8] * 4 + [9] * 4 + [10] * 4 + [11] * 4
 
@@ -146,6 +195,20 @@ def test_in_a_dense_mesh_most_radios_stay_silent_and_everybody_hears_every_flood
     floods = sum(node.counters.frames_sent for node in lab.nodes.values()) - before - 22 * 36
     assert {node: len(deliveries) for node, deliveries in lab.deliveries.items()} == dict.fromkeys(range(1, 36), 10)
     assert floods <= 10 * 36 / 2
+
+
+def test_floods_cross_a_chain_of_single_links_although_a_fifth_of_all_frames_is_lost() -> None:
+    chain = [(k, k + 1) for k in range(7)]
+    lab = MeshLab(8, chain, seed=3, loss=0.2, config=NetworkConfig(missed_adverts=10))
+    lab.run(4 * SETTLED)
+
+    for _ in range(40):
+        lab.receive()
+        lab.nodes[0].flood(b"x")
+        lab.transmit()
+    lab.run(40)
+
+    assert len(lab.deliveries[7]) >= 32  # one transmission each: 0.8 ** 7 of 40, about 8
 
 
 def test_floods_reach_nearly_everybody_although_a_third_of_all_frames_is_lost() -> None:

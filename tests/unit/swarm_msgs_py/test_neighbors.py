@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from builders import make_presence
@@ -74,3 +76,27 @@ def test_only_who_was_heard_in_this_tick_is_fresh() -> None:
 def test_presences_cannot_be_changed_from_outside() -> None:
     with pytest.raises(TypeError):
         NeighborTable(3).presences[NodeId(1)] = make_presence()  # type: ignore[index]
+
+
+def hear_for(table: NeighborTable, said: Iterable[tuple[int, int]]) -> None:
+    """Let the table hear a hello that was said by radio 1 in each second tick of the pairs, in the first of them."""
+    for tick, spoken in said:
+        hello = Hello(NodeId(1), spoken, make_presence(tick=spoken), NO_ROWS)
+        table.hear(tick, [hello])
+        table.expire(tick)
+
+
+def test_the_loss_is_the_share_of_hellos_that_did_not_come() -> None:
+    table = NeighborTable(missed_adverts=3)
+
+    hear_for(table, [(tick, tick) for tick in range(400) if tick % 4])
+
+    assert table.loss == pytest.approx(0.25 * 20 / 30, abs=0.03)  # twenty hellos known, ten taken for granted
+
+
+def test_hellos_that_come_late_are_not_lost() -> None:
+    table = NeighborTable(missed_adverts=3)
+
+    hear_for(table, [(tick, tick ^ 1) for tick in range(400)])
+
+    assert table.loss <= 0.05

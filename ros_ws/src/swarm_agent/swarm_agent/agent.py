@@ -54,7 +54,7 @@ class Agent:
         Where the robot was told to stand at the start; None: it has to find out.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 - what one robot is and has been told
         self,
         robot: NodeId,
         config: AgentConfig,

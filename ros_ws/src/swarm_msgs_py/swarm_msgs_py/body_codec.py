@@ -3,9 +3,9 @@
 A body is one kind byte and the record's fields, little-endian and without padding: the place of a robot as ``float32``
 [m], costs as unsigned 16 bit [cm]. The places in a plan are ``uint16`` steps from the plan's least x and y; a step is a
 centimeter, in a plan more than 655 m wide the least power of two of centimeters that covers it. The plan is by far the
-longest body, and every radio waits for it: this halves it. Decoding is memoised on the
-process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with exactly the numbers
-that its receivers see decodes its own bytes. No body is longer than `BODY_MAX`, so each fits one packet.
+longest body, and every radio waits for it: this halves it. Decoding is memoised on the bytes: the fifty receivers of
+one body in a process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with exactly
+the numbers that its receivers see decodes its own bytes. No body is longer than `BODY_MAX`, so each fits one packet.
 """
 
 from __future__ import annotations

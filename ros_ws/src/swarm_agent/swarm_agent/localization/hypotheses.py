@@ -1,10 +1,10 @@
 """Several beliefs at once, where one ellipse is not the truth: a sum of Gaussians (Sorenson and Alspach, 1971).
 
-A robot that is uncertain by as much as its neighbors are away cannot linearize a range: the circle that it measures bends
-within its own ellipse, and two or three circles may meet in two places. A single extended Kalman filter then picks one,
-often the wrong one, and is soon sure of it. So a wide belief is split into seven narrow ones, in the middle and around it.
-Each goes through the same filter; the ranges tell which of them predict well. As soon as the rest has become improbable, or
-all mean the same place, there is one again: within a few rounds of ranging where ranges are to be had.
+A robot that is uncertain by as much as its neighbors are away cannot linearize a range: the circle that it measures
+bends within its own ellipse, and two or three circles may meet in two places. A single Kalman filter then picks
+one, often the wrong one, and is soon sure of it. So a wide belief is split into seven narrow ones, in the middle and
+around it. Each goes through the same filter; the ranges tell which of them predict well. As soon as the rest has become
+improbable, or all mean the same place, there is one again: within a few rounds of ranging where ranges are to be had.
 """
 
 from __future__ import annotations

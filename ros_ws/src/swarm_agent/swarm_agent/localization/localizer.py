@@ -127,7 +127,7 @@ class Localizer:
         self.accepted = self.rejected = 0
         """Fixes and ranges used, and thrown out as outliers, since the start."""
 
-    def step(
+    def step(  # noqa: PLR0913 - all that a robot measures in a tick
         self,
         tick: int,
         imu: ImuSample,
@@ -238,7 +238,7 @@ class Localizer:
         """Correct by ranges; return whether the beacons determined the position."""
         if not self._hypotheses or self._config.mode in (LpsMode.LITERAL, LpsMode.FIXES):
             return self._take_trilateration(beacons)
-        if not self._config.mode is LpsMode.COOPERATIVE:
+        if self._config.mode is not LpsMode.COOPERATIVE:
             others = others.only(np.zeros(len(others), dtype=bool))
         if not len(beacons) + len(others):
             return False
@@ -267,9 +267,9 @@ class Localizer:
         )
 
     def _take_trilateration(self, beacons: RangeObservations) -> bool:
-        """Correct by a fix computed from the ranges to beacons, if they determine one; return whether it was accepted."""
-        # The literal mode takes the noise of the thesis, eq. (3.44): that of a position whose ranges fit exactly, whatever
-        # the geometry of the beacons.
+        """Correct by a fix computed from ranges to beacons, if they determine one; return whether it was accepted."""
+        # The literal mode takes the noise of the thesis, eq. (3.44): that of a position whose ranges fit exactly,
+        # whatever the geometry of the beacons.
         is_literal = self._config.mode is LpsMode.LITERAL
         where, covariance = self._prior(beacons)
         range_sigma = 0.0 if is_literal else self._config.range_sigma_m
@@ -278,8 +278,8 @@ class Localizer:
             return False
         if is_literal:
             return self._take_fix(found.position, self._config.position_noise_sigma_m**2 * _UNIT_NOISE)
-        # The geometry at the propagated position, where there is one. At the fix itself it errs with the fix: among beacons
-        # that are nearly on a line, the worst fixes would claim to be the best.
+        # The geometry at the propagated position, where there is one. At the fix itself it errs with the fix: among
+        # beacons that are nearly on a line, the worst fixes would claim to be the best.
         noise = dilution(beacons.positions, where) if self._hypotheses else None
         covariance = found.covariance if noise is None else range_sigma**2 * noise
         return self._take_fix(found.position, covariance)

@@ -36,17 +36,17 @@ class Signs:
 class PositioningMonitor:
     """State machine of one robot, reviewed at fixed intervals (spec section 6).
 
-    ========================  ==================================================  ============================================
-    state                     entered                                             left
-    ========================  ==================================================  ============================================
-    localized                 good review                                         bad review: lost
-    lost                      bad review                                          good review: localized; `misses_max` bad
-                                                                                  reviews in a row: return home
-    return home               `misses_max` bad reviews in a row                   `returns_min` good reviews in a row: localized
-    ========================  ==================================================  ============================================
+    ===========  ======================================  =========================================================
+    state        entered                                 left
+    ===========  ======================================  =========================================================
+    localized    good review                             bad review: lost
+    lost         bad review                              good review: localized; `misses_max` bad ones in a row:
+                                                         return home
+    return home  `misses_max` bad reviews in a row       `returns_min` good reviews in a row: localized
+    ===========  ======================================  =========================================================
 
     A review is good, by the thesis' rule, if at least `beacons_min` beacons are direct neighbors and a fix was accepted
-    since the last review; by the other rule if the standard deviation of the position is at most `sigma_max_m`. Both are
+    since the last review; by the other rule if the position's standard deviation is at most `sigma_max_m`. Both are
     reported; `LostConfig.rule` says which one acts. A robot with a position sensor is never lost while that works.
 
     Parameters

@@ -87,8 +87,8 @@ class Fusion:
     accepted, rejected : int
         Number of ranges that were used, and of outliers.
     log_likelihood : float
-        Logarithm of the probability that the belief gave to the ranges, up to a constant; an outlier counts as one at the
-        gate.
+        Logarithm of the probability that the belief gave to the ranges, up to a constant; an outlier counts as one at
+        the gate.
     """
 
     belief: SplitBelief

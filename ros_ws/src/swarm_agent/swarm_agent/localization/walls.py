@@ -4,9 +4,10 @@ A robot drives along walls whose place it knows only relative to its own estimat
 steer it against a corner of which it believes to be clear, and there it stands. But a wall is also the best landmark
 around: seen to within millimeters, at a place that does not change.
 
-A sensed point may as well be another robot. It is taken for a wall if a face or a corner looks at the robot from just that
-direction, if no other one could be meant, and if no radio neighbor may be standing there. Seen face to face, a wall also does
-not end before the robot: that tells one that has come to the end of a long wall from one that only believes it has.
+A sensed point may as well be another robot. It is taken for a wall if a face or a corner looks at the robot from just
+that direction, if no other one could be meant, and if no radio neighbor may stand there. Seen face to face, a wall
+also does not end before the robot: that tells one that has come to the end of a long wall from one that only believes
+it has.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ FIT_M = 0.1
 """How far a seen wall may be off besides: heading, map and sensor [m]."""
 
 ROBOT_M = 0.8
-"""How far from a neighbor's center a point may be that is that neighbor: the largest radius, and its motion in a tick."""
+"""How far from a neighbor's center a point of that neighbor may be: the largest radius, and its motion in a tick."""
 
 TEMPER = 0.1
 """Weight of one look: the next look at the same wall says hardly anything new about which wall it is."""

@@ -46,6 +46,7 @@ class _Waiting:
     packet: Packet
     transmitters: list[NodeId]
     since: int
+    is_own: bool = False
     sent: int = 0
 
 
@@ -81,7 +82,7 @@ class FloodQueue:
     Parameters
     ----------
     capacity : int
-        Packets that may wait; of more, the oldest is dropped.
+        Own packets that may wait, and as many of others; of more, the oldest is dropped.
     """
 
     def __init__(self, capacity: int) -> None:
@@ -95,7 +96,7 @@ class FloodQueue:
 
     def put_own(self, tick: int, packet: Packet) -> None:
         """Take over a packet of this radio, which is transmitted in any case."""
-        self._put(_Waiting(packet, [], tick))
+        self._put(_Waiting(packet, [], tick, is_own=True))
 
     def put(self, tick: int, packet: Packet, transmitter: NodeId) -> None:
         """Take over a packet to relay, heard from `transmitter` for the first time."""
@@ -104,8 +105,10 @@ class FloodQueue:
     def _put(self, entry: _Waiting) -> None:
         self._waiting[entry.packet.origin, entry.packet.number] = entry
         if len(self._waiting) > self._capacity:
-            del self._waiting[next(iter(self._waiting))]
-            self.dropped += 1
+            alike = [name for name, other in self._waiting.items() if other.is_own == entry.is_own]
+            if len(alike) > self._capacity:
+                del self._waiting[alike[0]]
+                self.dropped += 1
 
     def overhear(self, name: FloodName, transmitter: NodeId) -> None:
         """Note that `transmitter` has transmitted a packet, too."""
@@ -125,11 +128,10 @@ class FloodQueue:
             Bytes that the channel has room for in a tick. Of all who could relay a packet, only as many do so at once
             as fit; the others take their turns in later ticks, if it is still wanted then.
         """
-        own_first = sorted(self._waiting.items(), key=lambda item: item[0][0] != vicinity.node)
+        own_first = sorted(self._waiting.items(), key=lambda item: not item[1].is_own)
         for name, entry in own_first:
             packet = entry.packet
-            is_own = packet.origin == vicinity.node
-            if entry.sent == 0 and is_own:
+            if entry.is_own and not entry.sent:
                 return self._sent(tick, name, policy)
             if entry.sent and tick < entry.since + policy.answer_ticks:
                 continue

@@ -1,10 +1,11 @@
 """Delivery of packets over the mesh: flooding and routed unicast on top of neighbours and DSDV routes.
 
-A radio says one hello per tick. A *flooded* packet is transmitted by its origin and relayed by as few other radios as it
-takes, by each of them once, or more often where frames are lost (`flooding`). A *routed* packet goes hop by hop, from radio to radio, each of
-which acknowledges it to the previous one; one that hears no acknowledgement transmits again, over another feasible
-successor if there is one. A packet whose route is broken waits for a while for its repair. Packets of either sort keep
-to the radio's share of the channel (`pacer`): what the share has no room for waits for the next ticks.
+A radio says one hello per tick. A *flooded* packet is transmitted by its origin and relayed by as few other radios as
+it takes, by each of them once, or more often where frames are lost (`flooding`). A *routed* packet goes hop by hop,
+from radio to radio, each of which acknowledges it to the previous one; one that hears no acknowledgement transmits
+again, over another feasible successor if there is one. A packet whose route is broken waits for a while for its repair.
+Packets of either sort keep to the radio's share of the channel (`pacer`): what the share has no room for waits for the
+next ticks.
 """
 
 from __future__ import annotations
