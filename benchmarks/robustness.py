@@ -1,9 +1,9 @@
 """Measures how the decision bears a bad radio, dying robots and a network that falls apart; prints Markdown tables.
 
 Three experiments, each over seeds: `loss` (frames lost and delayed), `kills` (a fifth of the robots, three of the eight
-that carry a position sensor among them, dies at random ticks) and `split` (an obstacle field parts the network, which merges again behind it). Every run has a process of its
-own. With ``--out FILE`` each finished run is appended to the file as a line of JSON, and runs that the file has are not
-run again; Ctrl-C keeps and prints what was done.
+that carry a position sensor among them, dies at random ticks) and `split` (an obstacle field parts the network, which
+merges again behind it). Every run has a process of its own. With ``--out FILE`` each finished run is appended to the
+file as a line of JSON, and runs that the file has are not run again; Ctrl-C keeps and prints what was done.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from swarm_agent.decision.assignment import assign
-from swarm_agent.decision.rows import RowBook
+from swarm_agent.decision.rows import EARLY_MAX, RowBook
 from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan
 from swarm_msgs_py.types import NodeId
 
@@ -188,3 +188,47 @@ def test_fresh_rows_of_robots_on_their_way_move_nobody_in_any_mixture(seed: int,
         return sum(float(mixed[robot].costs[goal]) for robot, goal in taken.items())
 
     assert total(before) - total(after) <= size + 1  # no more than rounding to whole centimeters can make
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(early=row_lists, late=row_lists)
+def test_rows_that_come_before_their_plan_count_as_if_they_had_come_after_it(
+    early: list[CostRow], late: list[CostRow]
+) -> None:
+    book = RowBook()
+    for row in early:
+        assert not book.put(row)
+    book.adopt(make_plan())
+    for row in late:
+        book.put(row)
+
+    assert book.digest == make_book(*early, *late).digest
+    assert book.versions() == make_book(*early, *late).versions()
+
+
+def test_early_rows_of_a_plan_that_is_passed_over_are_forgotten() -> None:
+    book = make_book()
+    book.put(make_row(1, 1, epoch=2))
+    book.put(make_row(2, 1, epoch=3))
+
+    book.adopt(make_plan(3))
+
+    assert book.versions() == ((2, 1),)
+
+
+def test_rows_of_an_old_plan_are_not_kept() -> None:
+    book = RowBook()
+    book.adopt(make_plan(3))
+
+    assert not book.put(make_row(1, 1, epoch=2))
+    assert len(book) == 0
+
+
+def test_a_flood_of_rows_without_a_plan_fills_no_memory() -> None:
+    book = RowBook()
+    for robot in range(2 * EARLY_MAX):
+        book.put(make_row(robot, 1, epoch=2))
+
+    book.adopt(make_plan(2))
+
+    assert len(book) == EARLY_MAX

@@ -141,14 +141,17 @@ def test_a_neighbor_whose_hello_carries_the_epoch_counts_as_informed() -> None:
 def test_who_asks_for_the_plan_gets_it_and_who_has_it_does_not() -> None:
     behind, current = Radio(0, epoch=1), Radio(1, epoch=1)
     air = Air(make_mission(), behind, current)
-    air.run(6)
+    air.run(3)
+    behind.tell(RowRequest(0, ()))  # the flood has only just been sent
+    air.run(9)
     before = len(behind.plans), len(current.plans)
 
     behind.tell(RowRequest(0, ()))
     current.tell(RowRequest(1, ()))
     air.run(6)
 
-    assert (len(behind.plans), len(current.plans)) == (before[0] + 1, before[1])
+    assert before == (1, 1)
+    assert (len(behind.plans), len(current.plans)) == (2, 1)
 
 
 def test_a_new_shape_becomes_the_next_plan() -> None:

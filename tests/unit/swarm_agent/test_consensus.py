@@ -353,3 +353,17 @@ def test_who_asks_without_effect_asks_less_often_until_something_comes() -> None
 
     assert pauses[0] < pauses[1] == pauses[-1]
     assert after[0] == pauses[0]
+
+
+def test_a_newer_plan_is_asked_for_only_when_its_flood_has_had_time_to_come() -> None:
+    mind, mesh = make_mind(rows=2, goals=2), Recorder()
+    neighbor = MeshNetwork(NodeId(1), NetworkConfig(), PERIOD)
+    asked: list[int] = []
+    for tick in range(16):
+        mesh.receive(tick, neighbor.transmit(tick, make_presence(epoch=1 if tick < 8 else 2, tick=tick)))
+        mesh.carried.clear()
+        mind.repair(tick, mesh)
+        asked += [tick] * sum(body == encode_body(RowRequest(1, mind.book.versions())) for _, body in mesh.carried)
+
+    first = next(tick for tick in asked if tick >= 8)
+    assert 8 + round(DecisionConfig().plan_wait_s / PERIOD) <= first <= 14

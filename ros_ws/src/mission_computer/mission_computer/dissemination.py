@@ -23,6 +23,7 @@ class Dissemination:
         self._informed: set[NodeId] = set()
         self._floods = 0
         self._due = 0.0
+        self._flooded_at = -float("inf")
         self._pause = config.repeat_first_s
 
     @property
@@ -53,6 +54,14 @@ class Dissemination:
         if time < self._due or (self._floods and self._informed.issuperset(reachable)):
             return False
         self._floods += 1
+        self._flooded_at = time
         self._due = time + self._pause
         self._pause = min(self._pause * self._config.repeat_growth, self._config.repeat_longest_s)
         return True
+
+    def is_on_its_way(self, time: float) -> bool:
+        """Return whether the plan was flooded so lately that who asks for it will have it anyway.
+
+        In a crowd all neighbors see the number of a new plan at once, and would ask for it at once.
+        """
+        return time - self._flooded_at < self._config.repeat_first_s

@@ -94,8 +94,12 @@ class Mission:
             self._reports[body.robot] = body
             self._membership.take_report(body, time, self._destination(body))
             self._note_epoch(body.robot, body.epoch)
-        elif isinstance(body, RowRequest) and self._plan is not None and body.epoch < self._plan.epoch:
+        elif isinstance(body, RowRequest) and self._is_to_be_told(body.epoch, time):
             self._network.send(delivery.origin, self._body)
+
+    def _is_to_be_told(self, epoch: int, time: float) -> bool:
+        """Return whether a robot that holds the plan of `epoch`, and asks, needs an answer."""
+        return epoch < self._epoch and not self._dissemination.is_on_its_way(time)
 
     def _destination(self, report: Report) -> FloatArray | None:
         """Return where the goal is that a robot reports [m], None if it has none or speaks of another plan."""

@@ -10,6 +10,7 @@ import numpy as np
 from swarm_agent.config import AgentConfig
 from swarm_agent.control.avoidance import Avoidance
 from swarm_agent.control.path_follower import PathFollower
+from swarm_agent.control.wall_following import WallFollowing
 from swarm_agent.control.yielding import make_way
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
@@ -82,7 +83,9 @@ class Agent:
             obstacles=obstacles,
             period_s=period_s,
         )
-        self._follower = PathFollower(config.control, period_s)
+        self._follower = PathFollower(config.control, period_s, robot_type.coverage_radius_m)
+        radius, margin = robot_type.coverage_radius_m, config.control.avoidance.margin_m
+        self._wall_following = WallFollowing(radius, margin, period_s)
         self._avoidance = Avoidance(config.control.avoidance, robot_type.coverage_radius_m, period_s)
         self._planner: PathPlanner | None = None
         self._mapped: tuple[FloatArray, ...] = ()
@@ -148,7 +151,8 @@ class Agent:
     ) -> VelocityCommand:
         """Return the body-frame command that follows the path and keeps clear of what is near."""
         planner = self._planner_for(decision.obstacles)
-        wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate))
+        wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate), around)
+        wanted = self._wall_following.step(wanted, self._localizer.walls)
         path = self._follower.path
         reach = float(np.hypot(*(path[0] - estimate.position))) if len(path) else 0.0
         aside = self._step_aside(estimate, decision)

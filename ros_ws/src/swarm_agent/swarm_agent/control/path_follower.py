@@ -14,11 +14,28 @@ _PARK_SIGMAS, _UNPARK_SIGMAS = 1.0, 4.0
 """Standard deviations of the estimate below which parking and starting again would only follow its noise."""
 
 
-class PathFollower:
-    """Keeps the path to a destination up to date and says how fast to drive along it."""
+_AHEAD = 1.5
+"""How far along the next leg of a path sensed points matter [m]."""
 
-    def __init__(self, config: ControlConfig, period_s: float) -> None:
+_REACHED = 0.05
+"""A way-point this near is behind [m]."""
+
+
+class PathFollower:
+    """Keeps the path to a destination up to date and says how fast to drive along it.
+
+    Parameters
+    ----------
+    config : ControlConfig
+    period_s : float
+        Control period [s].
+    radius : float
+        Coverage radius of the robot [m].
+    """
+
+    def __init__(self, config: ControlConfig, period_s: float, radius: float = 0.0) -> None:
         self._config = config
+        self._radius = radius
         self._period = period_s
         self._destination: FloatArray | None = None
         self._planner: PathPlanner | None = None
@@ -32,7 +49,12 @@ class PathFollower:
         return self._parked
 
     def step(
-        self, planner: PathPlanner, position: FloatArray, destination: FloatArray | None, sigma: float = 0.0
+        self,
+        planner: PathPlanner,
+        position: FloatArray,
+        destination: FloatArray | None,
+        sigma: float = 0.0,
+        contacts: FloatArray = _NO_PATH,
     ) -> FloatArray:
         """Return the velocity that follows the path, world frame, shape (2,) [m/s].
 
@@ -46,11 +68,13 @@ class PathFollower:
             Where to go [m]; None: stand still.
         sigma : float
             Standard deviation of the estimate, per axis [m]; who knows less parks sooner and starts again later.
+        contacts : (n, 2) array
+            Sensed surface points relative to the robot, axes of the world [m].
         """
         self._retarget(planner, destination)
         if destination is None:
             return _STAND
-        self._advance(planner, position, destination)
+        self._advance(planner, position, destination, contacts)
         if not len(self.path):
             return _STAND  # no way there: wait for the map or the assignment to change
         return self._velocity(position, sigma)
@@ -67,13 +91,31 @@ class PathFollower:
             self._parked = False
             self.path = _NO_PATH
 
-    def _advance(self, planner: PathPlanner, position: FloatArray, destination: FloatArray) -> None:
-        """Drop way-points that are behind; plan anew when pushed off the path."""
+    def _advance(
+        self, planner: PathPlanner, position: FloatArray, destination: FloatArray, contacts: FloatArray
+    ) -> None:
+        """Drop way-points that are behind; plan anew when pushed off the path.
+
+        On the map a corner may be behind that is still ahead: the map is certain, but the own place on it is not. What
+        is sensed has no such error, so a way-point stays as long as something stands on the leg after it.
+        """
         while len(self.path) > 1 and planner.is_clear(position, self.path[1]):
+            is_reached = float(np.hypot(*(self.path[0] - position))) < _REACHED
+            if not is_reached and self._is_obstructed(self.path[1] - position, contacts):
+                break
             self.path = self.path[1:]
         if not len(self.path) or not planner.is_clear(position, self.path[0]):
             path = planner.path(position, destination)
             self.path = _NO_PATH if path is None else path
+
+    def _is_obstructed(self, leg: FloatArray, contacts: FloatArray) -> bool:
+        """Return whether a sensed point stands in the way along a leg that starts here, (2,) [m]."""
+        length = float(np.hypot(*leg))
+        if not len(contacts) or length == 0.0:
+            return False
+        direction = leg / length
+        ahead = np.clip(contacts @ direction, 0.0, min(length, _AHEAD))
+        return bool((np.hypot(*(contacts - ahead[:, None] * direction).T) < self._radius).any())
 
     def _velocity(self, position: FloatArray, sigma: float) -> FloatArray:
         offset = self.path[0] - position

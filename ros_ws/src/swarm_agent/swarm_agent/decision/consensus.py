@@ -107,7 +107,7 @@ class Consensus:
         if not ahead:
             self._ahead_since = None
         elif self._ahead_since is None:
-            self._ahead_since = tick
+            self._ahead_since, self._repair_pause = tick, self._repair_period
         if tick - self._asked_at < self._repair_pause:
             return
         if self._ahead_since is not None and tick - self._ahead_since < self._plan_wait:

@@ -24,7 +24,7 @@ WIDE_M = 1.0
 """A belief whose position is uncertain by more than this, in any direction, is split before ranges correct it."""
 
 _REGULAR = 1e-9
-"""Keeps a position that is certain in one direction invertible [m^2]."""
+"""Share of its variance that keeps a position that is certain in one direction invertible."""
 
 RING = 6
 """Hypotheses around the one in the middle."""
@@ -78,7 +78,7 @@ def divided(hypotheses: Hypotheses) -> Hypotheses:
     columns, position = covariance[:, POSITION], covariance[POSITION, POSITION]
     if len(hypotheses) > 1 or math.sqrt(is_own) * widest(position) <= WIDE_M:
         return hypotheses
-    position = position + _REGULAR * np.eye(2)
+    position = position + _REGULAR * position.trace() * np.eye(2)
     follow = columns @ np.linalg.inv(position)  # how the whole state moves with the position
     narrow = covariance - (1.0 - NARROWING**2) * is_own * (follow @ columns.T)
     narrow = 0.5 * (narrow + narrow.T)
@@ -99,6 +99,8 @@ def reweighed(hypotheses: Iterable[tuple[Hypothesis, SplitBelief, float]]) -> Hy
         Each one before, its belief after, and the logarithm of the probability that it gave to the measurement.
     """
     told = list(hypotheses)
+    if len(told) == 1:
+        return certain(told[0][1])
     logs = np.array([math.log(before.weight) + told_log for before, _, told_log in told])
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()

@@ -21,7 +21,7 @@ from swarm_agent.localization.motion_model import (
     Step,
     belief_at,
 )
-from swarm_agent.localization.observations import RangeObservations, observe
+from swarm_agent.localization.observations import RangeObservations, bodies, observe
 from swarm_agent.localization.range_fusion import (
     Fusion,
     RangeModel,
@@ -124,6 +124,8 @@ class Localizer:
         self._beacon_until = -1  # tick
         self.is_beacon = False
         """Whether the own position sensor works: it has lately given a fix that was believed."""
+        self.walls: FloatArray = _NO_POINTS
+        """Sensed points that were recognized as walls in this tick, (m, 2), as `proximity` in `step` [m]."""
         self.accepted = self.rejected = 0
         """Fixes and ranges used, and thrown out as outliers, since the start."""
 
@@ -174,8 +176,9 @@ class Localizer:
         elif len(scan.neighbors) and tick >= self._due:
             self._due = tick + self._every
             is_corrected = self._take_ranges(*observe(scan, neighbors, tick, self._period))
+        self.walls = _NO_POINTS
         self._walls_from = tick + WALLS_AFTER if self._walls_from is None else self._walls_from
-        if len(proximity) and self._walls is not None and tick >= self._walls_from:
+        if len(proximity) and self._walls is not None and self._hypotheses and tick >= self._walls_from:
             self._take_walls(self._walls, proximity, neighbors)
         self.is_beacon = tick <= self._beacon_until
         return self._estimate(imu.yaw, is_corrected=is_corrected)
@@ -218,11 +221,9 @@ class Localizer:
         """Correct by the walls of the map that the sensed points belong to."""
         sigma, gate = self._config.wall_sigma_m, self._config.range_gate_chi_square
         assert sigma is not None  # or there would be no map
-        bodies = [presence for presence in neighbors.values() if presence.robot_type]
-        places = np.array([presence.position for presence in bodies]).reshape(-1, 2)
-        unsure = np.array([presence.sigma for presence in bodies])
-
+        places, unsure = bodies(neighbors.values())
         told = []
+        likeliest = max(self._hypotheses, key=lambda one: one.weight, default=None)
         for one in self._hypotheses:
             gaussian = one.belief.gaussian
             seen = walls.recognize(
@@ -232,6 +233,8 @@ class Localizer:
                 fuse_walls(one.belief, seen.directions, seen.offsets, sigma, gate) if len(seen.offsets) else one.belief
             )
             told.append((one, after, seen.log_likelihood))
+            if one is likeliest:
+                self.walls = seen.faces
         self._hypotheses = reweighed(told)
 
     def _take_ranges(self, beacons: RangeObservations, others: RangeObservations) -> bool:
@@ -239,7 +242,7 @@ class Localizer:
         if not self._hypotheses or self._config.mode in (LpsMode.LITERAL, LpsMode.FIXES):
             return self._take_trilateration(beacons)
         if self._config.mode is not LpsMode.COOPERATIVE:
-            others = others.only(np.zeros(len(others), dtype=bool))
+            others = others.only(slice(0, 0))
         if not len(beacons) + len(others):
             return False
         rounds = [(one, *self._fused(one.belief, beacons, others)) for one in divided(self._hypotheses)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,8 @@ AGE_MAX = 8
 """Ticks after which a hello says too little of where its sender is now; also drops a sender with another clock."""
 
 _POSITION, _VELOCITY = slice(0, 2), slice(2, 4)
-_XX, _XY, _YY, _SHARED = 4, 5, 6, 7
+_XX, _YY, _SHARED = 4, 6, 7
+_VARIANCES = slice(_XX, _YY + 1)
 """Columns of `Presence.belief`."""
 
 
@@ -43,8 +44,8 @@ class RangeObservations:
     def __len__(self) -> int:
         return len(self.ranges)
 
-    def only(self, which: BoolArray) -> RangeObservations:
-        """Return some of the observations, for a mask of shape (m,)."""
+    def only(self, which: BoolArray | slice) -> RangeObservations:
+        """Return some of the observations: those of a mask of shape (m,), or of a slice."""
         return RangeObservations(self.positions[which], self.covariances[which], self.shared[which], self.ranges[which])
 
 
@@ -66,22 +67,35 @@ def observe(
     period : float
         Length of a tick [s].
     """
-    heard = [
-        (presence, distance, age)
-        for neighbor, distance in zip(scan.neighbors.tolist(), scan.ranges.tolist(), strict=True)
-        if (presence := neighbors.get(neighbor)) is not None and (age := (tick - presence.tick) & 0xFFFF) <= AGE_MAX
-    ]
+    beacons: list[tuple[FloatArray, float, float]] = []
+    others: list[tuple[FloatArray, float, float]] = []
+    for neighbor, distance in zip(scan.neighbors.tolist(), scan.ranges.tolist(), strict=True):
+        presence = neighbors.get(neighbor)
+        if presence is not None and (age := (tick - presence.tick) & 0xFFFF) <= AGE_MAX:
+            (beacons if presence.is_beacon else others).append((presence.belief, distance, age * period))
+    first = len(beacons)
+    heard = beacons + others
     if not heard:
         return _NOTHING, _NOTHING
-    rows = np.concatenate([presence.belief for presence, _, _ in heard]).reshape(len(heard), -1)
-    distances = np.array([distance for _, distance, _ in heard])
-    ages = np.array([age for _, _, age in heard]) * period
-    is_beacon = np.array([presence.is_beacon for presence, _, _ in heard])
+    beliefs, distances, ages = zip(*heard, strict=True)
+    rows, ranges = np.concatenate(beliefs).reshape(len(heard), -1), np.array(distances)
     seen = RangeObservations(
-        rows[:, _POSITION] + rows[:, _VELOCITY] * ages[:, None], rows[:, _XX : _YY + 1], rows[:, _SHARED], distances
+        rows[:, _POSITION] + rows[:, _VELOCITY] * np.array(ages)[:, None], rows[:, _VARIANCES], rows[:, _SHARED], ranges
     )
-    is_usable = np.isfinite(distances) & (np.maximum(rows[:, _XX], rows[:, _YY]) < _VARIANCE_UNKNOWN)
-    return seen.only(is_beacon & is_usable), seen.only(~is_beacon & is_usable)
+    is_usable = np.isfinite(ranges) & (rows[:, _VARIANCES].max(axis=1) < _VARIANCE_UNKNOWN)
+    if not is_usable.all():
+        first = int(np.count_nonzero(is_usable[:first]))
+        seen = seen.only(is_usable)
+    return seen.only(slice(0, first)), seen.only(slice(first, None))
+
+
+def bodies(neighbors: Iterable[Presence]) -> tuple[FloatArray, FloatArray]:
+    """Return where neighbors that are robots say they are, (n, 2) [m], and with what standard deviation, (n,) [m]."""
+    beliefs = [presence.belief for presence in neighbors if presence.robot_type]
+    if not beliefs:
+        return _NOTHING.positions, _NOTHING.ranges
+    rows = np.concatenate(beliefs).reshape(len(beliefs), -1)
+    return rows[:, _POSITION], np.sqrt(0.5 * (rows[:, _XX] + rows[:, _YY]))
 
 
 _VARIANCE_UNKNOWN = (0.99 * SIGMA_UNKNOWN) ** 2

@@ -28,7 +28,7 @@ from scipy.special import ndtr
 from swarm_agent.localization.kalman import Gaussian
 from swarm_agent.localization.motion_model import POSITION, STATES
 from swarm_agent.localization.observations import RangeObservations
-from swarm_msgs_py.types import BoolArray, FloatArray
+from swarm_msgs_py.types import FloatArray
 
 _SAME_FOR_ROUNDS = 40.0
 """Rounds of ranging in which the curvature's error hardly changes: as noise, it must count that many times."""
@@ -37,6 +37,12 @@ _ROOT_OF_TWO_PI = math.sqrt(2.0 * math.pi)
 
 _TINY = 1e-12
 """Keeps quotients of variances defined where both are zero [m^2]."""
+
+_NEAREST = math.sqrt(_TINY)
+"""Keeps the direction to a neighbor in the same place defined [m]."""
+
+_ONCE_TWICE_ONCE: FloatArray = np.array((1.0, 2.0, 1.0))
+"""How often xx, xy and yy are in a quadratic form."""
 
 _IDENTITY: FloatArray = np.eye(STATES)
 
@@ -103,7 +109,7 @@ class _Sight:
 
     Attributes
     ----------
-    lines : (m, 2) array
+    lines : (2, m) array
         Unit vectors from the neighbors to the robot.
     distances : (m,) array
         Between the estimated positions [m].
@@ -136,12 +142,11 @@ def fuse_beacons(belief: SplitBelief, seen: RangeObservations, model: RangeModel
     sight = _sight(belief.gaussian, seen)
     residuals, noise = _compared(seen.ranges, sight.distances, sight.own_across + sight.their_across, model.sigma)
     noise += sight.their
-    is_in = residuals**2 <= model.gate * (noise + sight.own)
-    information, pull = _combined(sight.lines, is_in / noise, residuals)
+    weighed = _weighed(residuals, noise, noise + sight.own, model.gate)
+    information, pull = _combined(sight.lines, weighed.weights, residuals)
     after = _informed(belief.gaussian, belief.gaussian.covariance, information, pull)
     corrected = fixed(belief, Gaussian(after.mean, after.covariance))
-    likelihood = _log_likelihood(residuals, noise, is_in, after, pull, model.gate)
-    return Fusion(corrected, int(is_in.sum()), int((~is_in).sum()), likelihood)
+    return Fusion(corrected, weighed.accepted, weighed.rejected, _log_likelihood(weighed, after, pull))
 
 
 def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeModel) -> Fusion:
@@ -164,8 +169,8 @@ def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeMod
     across = sight.own_across + sight.their_across - 2.0 * common_across
     residuals, noise = _compared(seen.ranges, sight.distances, across, model.sigma)
     noise += foreign
-    is_in = residuals**2 <= model.gate * (noise + sight.own - common)
-    weights = is_in / noise
+    weighed = _weighed(residuals, noise, noise + sight.own - common, model.gate)
+    weights = weighed.weights
     # Share of the prior that the neighbors have too, on the average: a range cannot see it.
     unseen = min(float(weights @ common) / max(float(weights @ sight.own), _TINY), shared)
     information, pull = _combined(sight.lines, weights, residuals)
@@ -173,11 +178,11 @@ def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeMod
     after = _informed(belief.gaussian, own, information, pull)
     gaussian = Gaussian(after.mean, unseen * prior + after.covariance)
 
-    taken_over = (sight.lines @ after.gain.T) * (weights * np.sqrt(np.maximum(foreign, 0.0)))[:, None]
+    taken_over = (after.gain @ sight.lines) * (weights * np.sqrt(foreign))
     left = _position_variance(after.covariance) / max(_position_variance(own), _TINY)
-    shared_after = (unseen + (shared - unseen) * left) * prior[POSITION, POSITION] + taken_over.T @ taken_over
-    likelihood = _log_likelihood(residuals, noise, is_in, after, pull, model.gate)
-    return Fusion(_split(gaussian, shared_after), int(is_in.sum()), int((~is_in).sum()), likelihood)
+    shared_after = (unseen + (shared - unseen) * left) * prior[POSITION, POSITION] + taken_over @ taken_over.T
+    belief = _split(gaussian, shared_after)
+    return Fusion(belief, weighed.accepted, weighed.rejected, _log_likelihood(weighed, after, pull))
 
 
 def fuse_walls(
@@ -199,7 +204,7 @@ def fuse_walls(
     """
     own = ((directions @ belief.gaussian.covariance[POSITION, POSITION]) * directions).sum(axis=1)
     weights = (offsets**2 <= gate * (sigma**2 + own)) / sigma**2
-    after = _informed(belief.gaussian, belief.gaussian.covariance, *_combined(directions, weights, offsets))
+    after = _informed(belief.gaussian, belief.gaussian.covariance, *_combined(directions.T, weights, offsets))
     return fixed(belief, Gaussian(after.mean, after.covariance))
 
 
@@ -227,6 +232,14 @@ def fixed(belief: SplitBelief, after: Gaussian) -> SplitBelief:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Weighed:
+    weights: FloatArray  # (m,) inverse variances of the ranges, given both positions; 0 for outliers [1/m^2]
+    accepted: int
+    rejected: int
+    surprise: float  # -2 log p(ranges), without constants, if the prior were certain
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Informed:
     mean: FloatArray
     covariance: FloatArray
@@ -235,17 +248,21 @@ class _Informed:
 
 
 def _sight(belief: Gaussian, seen: RangeObservations) -> _Sight:
-    offsets = belief.mean[POSITION] - seen.positions
-    distances = np.maximum(np.hypot(offsets[:, 0], offsets[:, 1]), np.sqrt(_TINY))
-    lines = offsets / distances[:, None]
-    x, y = lines.T
-    squares = np.stack([x * x, 2.0 * x * y, y * y], axis=1)
-    covariance = belief.covariance[POSITION, POSITION]
-    own = squares @ covariance[(0, 0, 1), (0, 1, 1)]
-    their = (squares * seen.covariances).sum(axis=1)
-    own_across = np.maximum(covariance[0, 0] + covariance[1, 1] - own, 0.0)
+    (x, y), ((xx, xy), (_, yy)) = belief.mean[POSITION].tolist(), belief.covariance[POSITION, POSITION].tolist()
+    lines = np.empty((2, len(seen)))
+    np.subtract(x, seen.positions[:, 0], out=lines[0])
+    np.subtract(y, seen.positions[:, 1], out=lines[1])
+    distances = np.maximum(np.hypot(lines[0], lines[1]), _NEAREST)
+    lines /= distances
+    products = np.empty((3, len(seen)))  # xx, xy, yy
+    np.multiply(lines[0], lines, out=products[:2])
+    np.multiply(lines[1], lines[1], out=products[2])
+    own = np.array((xx, 2.0 * xy, yy)) @ products
+    products *= seen.covariances.T
+    their = np.maximum(_ONCE_TWICE_ONCE @ products, 0.0)
+    own_across = np.maximum(xx + yy - own, 0.0)
     their_across = np.maximum(seen.covariances[:, 0] + seen.covariances[:, 2] - their, 0.0)
-    return _Sight(lines, distances, own, np.maximum(their, 0.0), own_across, their_across)
+    return _Sight(lines, distances, own, their, own_across, their_across)
 
 
 def _compared(
@@ -258,24 +275,45 @@ def _compared(
     linearizes takes it for a distance. And no range is negative: where noise would make it so it is zero, a censored
     measurement, longer than its noise by itself and with less to say. Both return the moments of what remains.
     """
-    square = distances**2 + across
+    square = distances * distances + across
     bent = np.sqrt(square)
     steps = bent / sigma
-    positive, density = ndtr(steps), np.exp(-0.5 * steps**2) / _ROOT_OF_TWO_PI
-    expected = bent * positive + sigma * density
-    # E[r^2] - E[r]^2 without the difference of two large numbers, which would be all that remains of a small sigma.
-    variance = sigma**2 * (positive - density**2) + bent**2 * positive * ndtr(-steps)
-    variance += bent * sigma * density * (1.0 - 2.0 * positive)
+    positive = ndtr(steps)
+    negative = 1.0 - positive
+    spread = steps * positive
+    density = np.exp(-0.5 * steps * steps) / _ROOT_OF_TWO_PI
+    # E[r^2] - E[r]^2, over sigma^2, without the difference of two large numbers, which would be all that remains of a
+    # small sigma.
+    variance = positive - density * density + steps * (spread * negative + density * (negative - positive))
     # By how much an error across the line really lengthens a range stays the same from one round to the next.
-    bend = _SAME_FOR_ROUNDS * 0.5 * across**2 / square
-    return (ranges - expected) / positive, variance / positive**2 + bend
+    bend = across * across / square
+    residuals = (ranges - sigma * (spread + density)) / positive
+    return residuals, variance * sigma**2 / (positive * positive) + 0.5 * _SAME_FOR_ROUNDS * bend
+
+
+def _weighed(residuals: FloatArray, noise: FloatArray, variances: FloatArray, gate: float) -> _Weighed:
+    """Return what ranges with these `variances` (m,) of their residuals are worth; those outside the gate nothing."""
+    is_in = residuals * residuals <= gate * variances
+    accepted = int(np.count_nonzero(is_in))
+    rejected = len(is_in) - accepted
+    weights = is_in / noise
+    surprise = float(residuals @ (weights * residuals)) + gate * rejected + float(np.log(noise).sum())
+    return _Weighed(weights, accepted, rejected, surprise)
 
 
 def _combined(lines: FloatArray, weights: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the information of all ranges on the position, (2, 2) [1/m^2], and where it pulls to, (2,) [1/m]."""
-    weighted = lines * weights[:, None]
-    information: FloatArray = weighted.T @ lines
-    pull: FloatArray = residuals @ weighted
+    """Return the information of all ranges on the position, (2, 2) [1/m^2], and where it pulls to, (2,) [1/m].
+
+    Parameters
+    ----------
+    lines : (2, m) array
+        Unit vectors along which something was measured.
+    weights, residuals : (m,) array
+        Inverse variances [1/m^2], and what was measured [m].
+    """
+    weighted = lines * weights
+    information: FloatArray = weighted @ lines.T
+    pull: FloatArray = weighted @ residuals
     return information, pull
 
 
@@ -297,13 +335,9 @@ def _informed(belief: Gaussian, covariance: FloatArray, information: FloatArray,
     return _Informed(belief.mean + gain @ pull, 0.5 * (corrected + corrected.T), gain[POSITION], determinant)
 
 
-def _log_likelihood(  # noqa: PLR0913, PLR0917 - what a correction is made of
-    residuals: FloatArray, noise: FloatArray, is_in: BoolArray, after: _Informed, pull: FloatArray, gate: float
-) -> float:
+def _log_likelihood(weighed: _Weighed, after: _Informed, pull: FloatArray) -> float:
     """Return log p(ranges), without constants, by the matrix determinant and inversion lemmas."""
-    squares = np.where(is_in, residuals**2 / noise, gate)
-    surprise = float(squares.sum()) - float(pull @ after.gain @ pull)
-    return -0.5 * (surprise + float(np.log(noise).sum()) + math.log(after.determinant))
+    return -0.5 * (weighed.surprise - float(pull @ after.gain @ pull) + math.log(after.determinant))
 
 
 def _split(gaussian: Gaussian, shared: FloatArray) -> SplitBelief:

@@ -22,7 +22,8 @@ from swarm_agent.localization.hypotheses import widest
 from swarm_msgs_py.types import BoolArray, FloatArray
 
 ASKEW = math.radians(12.0)
-"""A face is seen along its normal, a corner from between the normals of its faces, give or take this angle [rad]."""
+"""A face is seen along its normal, give or take this angle; a corner from between the normals of its faces, and at least so
+far from both, where it cannot be meant for one of the faces [rad]."""
 
 SIGMAS = 3.0
 """Standard deviations of both positions within which a point may be a neighbor."""
@@ -52,14 +53,17 @@ class Recognition:
         By how much the position is off along each of them [m].
     log_likelihood : float
         How well walls explain what is seen, up to a constant.
+    faces : (f, 2) array
+        The sensed points that belong to faces, relative to the robot [m].
     """
 
     directions: FloatArray
     offsets: FloatArray
     log_likelihood: float
+    faces: FloatArray
 
 
-NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0)
+NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0, np.empty((0, 2)))
 
 
 class WallMap:
@@ -77,9 +81,10 @@ class WallMap:
         self._starts, self._along, self._lengths = starts, along, lengths
         # Counter-clockwise corners: the outside is to the right of an edge.
         self._normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        is_outer = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0] > math.sin(ASKEW)
+        is_outer = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0] > 0.0
         self._corners = starts[is_outer]
-        self._corner_normals = self._normals[is_outer], np.stack([before[:, 1], -before[:, 0]], axis=1)[is_outer]
+        # Who looks at a corner as the nearest point looks back along the face before it and ahead along the next.
+        self._corner_views = -before[is_outer], along[is_outer]
 
     def recognize(
         self, position: FloatArray, covariance: FloatArray, points: FloatArray, robots: FloatArray, unsure: FloatArray
@@ -105,17 +110,16 @@ class WallMap:
         spots = position + points
         gaze = points / np.maximum(np.hypot(*points.T), np.finfo(np.float64).tiny)[:, None]
         offsets = spots[:, None] - self._starts
-        short = -(offsets * self._normals).sum(
-            axis=2
-        )  # how far the robot must move along the normal for the point to fit
+        # How far the robot must move along the normal for the point to fit.
+        short = -(offsets * self._normals).sum(axis=2)
         along = (offsets * self._along).sum(axis=2)
         beyond = np.clip(along, 0.0, self._lengths) - along
         by_face = _surprise(self._normals, covariance, short) + _surprise(self._along, covariance, beyond)
         by_face[gaze @ self._normals.T > -math.cos(ASKEW)] = _NEVER
         away = self._corners - spots[:, None]
         by_corner = (away * (away @ np.linalg.inv(covariance + FIT_M**2 * np.eye(2)))).sum(axis=2)
-        for normals in self._corner_normals:
-            by_corner[gaze @ normals.T > -math.sin(ASKEW)] = _NEVER
+        for views in self._corner_views:
+            by_corner[gaze @ views.T < math.sin(ASKEW)] = _NEVER
 
         surprise = np.concatenate([by_face, by_corner, np.full((len(points), 2), _NEVER)], axis=1)
         first, second = np.partition(surprise, 1, axis=1)[:, :2].T
@@ -128,7 +132,7 @@ class WallMap:
         corners = away[seen[~is_face], best[~is_face] - len(self._starts)]
         directions = (self._normals[face], self._along[face[ends]], np.tile(np.eye(2), (len(corners), 1)))
         steps = (short[point, face], beyond[point[ends], face[ends]], corners.ravel())
-        return Recognition(np.concatenate(directions), np.concatenate(steps), log_likelihood)
+        return Recognition(np.concatenate(directions), np.concatenate(steps), log_likelihood, points[point])
 
 
 _NEVER = 1e9
@@ -157,6 +161,6 @@ def _surprise(directions: FloatArray, covariance: FloatArray, offsets: FloatArra
 
 def _are_no_robots(spots: FloatArray, sigma: float, robots: FloatArray, unsure: FloatArray) -> BoolArray:
     """Return which of the points, (k, 2), no robot that speaks can have made."""
-    away = np.hypot(*np.moveaxis(spots[:, None] - robots, 2, 0))
-    clear: BoolArray = (away > ROBOT_M + SIGMAS * (sigma + unsure)).all(axis=1)
-    return clear
+    east, north = spots[:, :1] - robots[:, 0], spots[:, 1:] - robots[:, 1]
+    keep_off = ROBOT_M + SIGMAS * (sigma + unsure)
+    return np.asarray((east * east + north * north > keep_off * keep_off).all(axis=1))

@@ -94,6 +94,11 @@ class FloodQueue:
     def __len__(self) -> int:
         return len(self._waiting)
 
+    @property
+    def has_own(self) -> bool:
+        """Whether a packet of this radio waits for its first transmission."""
+        return any(entry.is_own and not entry.sent for entry in self._waiting.values())
+
     def put_own(self, tick: int, packet: Packet) -> None:
         """Take over a packet of this radio, which is transmitted in any case."""
         self._put(_Waiting(packet, [], tick, is_own=True))

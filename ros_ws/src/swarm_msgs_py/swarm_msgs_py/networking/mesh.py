@@ -272,21 +272,31 @@ class MeshNetwork:
     def _paced(self, tick: int) -> list[bytes]:
         """Return the frames of the packets that the radio's share of the channel has room for.
 
-        First what neighbors ask of each other: it mends what floods have lost, and takes one transmission. Then floods,
-        for which everybody waits, and last what crosses the swarm to one node.
+        First what this radio itself has to tell everybody; then what neighbors ask of each other, because it mends what
+        floods have lost and takes one transmission; then floods of others, and last what crosses the swarm to one node.
         """
-        frames: list[bytes] = []
         if not self._floods and not self._outbox:
-            return frames
+            return []
         self._pacer.fill(tick, self._routes.crowd())
+        frames = self._flooded(tick, own_only=True)
+        frames += self._routed(tick, self.neighbors)
+        frames += self._flooded(tick)
+        return frames + self._routed(tick)
+
+    def _flooded(self, tick: int, *, own_only: bool = False) -> list[bytes]:
+        frames: list[bytes] = []
+        if not self._floods:
+            return frames
         neighbors = np.array(list(self.neighbors), dtype=np.int64)
         vicinity = Vicinity(self._node, neighbors, self._routes.vicinity(neighbors))
         policy = policy_against(self._neighbor_table.loss, self._config.flood_redundancy, self._delay)
-        frames += self._routed(tick, self.neighbors)
-        while self._pacer.is_open and (flooded := self._floods.next(tick, vicinity, policy, self._pacer.room)):
-            frames.append(self._encode(flooded, EVERYONE))
+        while self._pacer.is_open and (self._floods.has_own or not own_only):
+            packet = self._floods.next(tick, vicinity, policy, self._pacer.room)
+            if packet is None:
+                break
+            frames.append(self._encode(packet, EVERYONE))
             self._pacer.spend(len(frames[-1]))
-        return frames + self._routed(tick)
+        return frames
 
     def _routed(self, tick: int, destinations: Container[NodeId] | None = None) -> list[bytes]:
         due = self._outbox.due(tick, self.next_hops, self._pacer, delay=self._delay, destinations=destinations)
