@@ -290,7 +290,12 @@ def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
         for axes, measure, scale in ((left, _delivery, 100.0), (right, _route_stretch, 1.0)):
             values = [np.array([measure([outcome]) for outcome in some]) * scale for some in groups]
             errors = [1.96 * v.std(ddof=1) / np.sqrt(len(v)) if len(v) > 1 else 0.0 for v in values]
-            axes.errorbar(places, [v.mean() for v in values], errors, capsize=3, lw=1.2, label=label, **style)
+            means = [float(v.mean()) for v in values]
+            if axes is left:  # nothing is delivered more often than always
+                bounds = [errors, [min(error, 100.0 - mean) for error, mean in zip(errors, means, strict=True)]]
+            else:
+                bounds = [errors, errors]
+            axes.errorbar(places, means, bounds, capsize=3, lw=1.2, label=label, **style)
     for place, loss in enumerate(LOSSES):
         if loss in TARGETS:
             left.hlines(100.0 * TARGETS[loss], place - 0.35, place + 0.35, color="#555555", ls="--", lw=1)

@@ -63,13 +63,13 @@ class Variant:
     name: str
     scenario: str
     settings: tuple[str, ...] = ()
-    ratio_max: float | None = None  # of the settling time to that of the same seeds in `LOSSLESS`
+    ratio_max: float | None = None  # of the settling time to that of the same seeds in `BASE`
 
 
-LOSSLESS = "loss 0 %, delay"
+BASE = "no loss, no delay"
 VARIANTS = (
-    Variant("loss", "no loss, no delay", "formation-50"),
-    Variant("loss", LOSSLESS, "formation-50", ("delay_ticks_max=1",), 1.0),
+    Variant("loss", BASE, "formation-50"),
+    Variant("loss", "loss 0 %, delay", "formation-50", ("delay_ticks_max=1",), 1.0),
     Variant("loss", "loss 10 %, delay", "formation-50", ("radio.loss=0.1", "delay_ticks_max=1"), 1.1),
     Variant("loss", "loss 30 %, delay", "formation-50", ("radio.loss=0.3", "delay_ticks_max=1"), 1.3),
     Variant("kills", "20 % killed", "formation-50"),
@@ -288,7 +288,7 @@ def _print_table(experiment: str, results: Sequence[Result]) -> None:
     _print_row(["variant", *columns, *ratios])
     _print_row(["---"] * (1 + len(columns) + len(ratios)))
     variants = [variant for variant in VARIANTS if variant.experiment == experiment]
-    base = {run["seed"]: run["settling_time_s"] for run in results if run["variant"] == LOSSLESS}
+    base = {run["seed"]: run["settling_time_s"] for run in results if run["variant"] == BASE}
     for variant in variants:
         runs = [run for run in results if run["variant"] == variant.name]
         if not runs:

@@ -242,7 +242,8 @@ def _blind(scenario: Scenario, trace: Trace) -> BoolArray:
     blind = np.array([robot not in carriers for robot in range(scenario.robots.count)])
     if not blind.any():
         return trace.alive
-    return trace.alive & blind[None, :] & (trace.tick_times >= WARM_UP_S)[:, None]
+    counted: BoolArray = trace.alive & blind & (trace.tick_times >= WARM_UP_S)[:, None]
+    return counted
 
 
 def _localization(trace: Trace, counts: BoolArray) -> LocalizationError:

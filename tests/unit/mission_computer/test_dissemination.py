@@ -66,3 +66,10 @@ def test_a_robot_that_forgot_the_plan_is_told_again(dissemination: Dissemination
 def test_a_longest_pause_below_the_first_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"repeat_longest_s must be >= repeat_first_s .5 s., got 1"):
         MissionConfig(repeat_longest_s=1.0)
+
+
+def test_a_plan_is_on_its_way_until_the_first_pause_is_over(dissemination: Dissemination) -> None:
+    before = dissemination.is_on_its_way(0.0)
+    dissemination.is_due(0.0, [R0])
+
+    assert [before, dissemination.is_on_its_way(1.5), dissemination.is_on_its_way(2.0)] == [False, True, False]

@@ -106,7 +106,7 @@ def test_a_partition_heals() -> None:
     assert room.rows == [4] * 4 + [0] * 4
 
     room.links.add(bridge)
-    room.run(15.0)
+    room.run(20.0)  # each of four robots waits for the plan before it asks for it
 
     assert room.rows == [8] * 8
     assert len(room.digests) == 1
@@ -301,7 +301,7 @@ def test_nobody_is_asked_for_a_plan_with_an_absurd_number() -> None:
     assert mesh.carried == []
     mesh.receive(31, boaster.transmit(0, presence(2)))
     mind.repair(31, mesh)
-    mind.repair(33, mesh)
+    mind.repair(31 + round(DecisionConfig().plan_wait_s / PERIOD), mesh)
 
     assert [asked for asked, _ in mesh.carried] == [1]
 

@@ -21,7 +21,7 @@ GOAL = np.array([9.0, 0.0])
 
 
 def make_follower() -> PathFollower:
-    return PathFollower(CONFIG, PERIOD)
+    return PathFollower(CONFIG, PERIOD, RADIUS)
 
 
 def drive(follower: PathFollower, planner: object, position: FloatArray, ticks: int) -> list[FloatArray]:
@@ -107,3 +107,32 @@ def test_an_uncertain_robot_does_not_follow_the_noise_of_its_estimate() -> None:
     assert follower.is_parked
     follower.step(OPEN, GOAL + 4 * sigma, GOAL, sigma)
     assert not follower.is_parked
+
+
+def test_a_corner_stays_ahead_while_something_is_sensed_on_the_leg_after_it() -> None:
+    """The robot believes to be past the wall's end; what it senses tells that it is not."""
+    follower = make_follower()
+    follower.step(WALLED, np.array([3.0, 3.6]), GOAL)
+    corner = follower.path[0].copy()
+    past = corner + np.array([0.7, 0.3])  # from here the goal is in sight, on the map
+    leg = GOAL - past
+    wall = 0.25 * leg[None] / np.hypot(*leg)
+
+    blocked = follower.step(WALLED, past, GOAL, contacts=wall)
+    ways = len(follower.path)
+    free = follower.step(WALLED, past, GOAL, contacts=-wall)
+
+    assert ways > 1
+    assert blocked @ (corner - past) > 0.0
+    assert_array_equal(follower.path, [GOAL])
+    assert free @ leg > 0.99 * np.hypot(*free) * np.hypot(*leg)
+
+
+def test_a_corner_that_is_reached_is_behind_whatever_is_sensed() -> None:
+    follower = make_follower()
+    follower.step(WALLED, np.array([3.0, 3.6]), GOAL)
+    corner = follower.path[0].copy()
+
+    follower.step(WALLED, corner + np.array([0.0, 0.01]), GOAL, contacts=np.array([[0.25, -0.1]]))
+
+    assert not np.array_equal(follower.path[0], corner)

@@ -99,7 +99,7 @@ def test_a_neighbor_that_does_not_know_where_it_is_may_be_anywhere() -> None:
 def test_of_two_parallel_faces_that_both_may_be_meant_none_is() -> None:
     step = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 0.6], [10.0, 0.6], [10.0, 3.0], [0.0, 3.0]])
 
-    ambiguous, clear = (look((4.8, -1.0), (0.1, 0.3), (step,), sigma) for sigma in (0.5, 0.1))
+    ambiguous, clear = (look((4.8, -1.0), (0.05, 0.1), (step,), sigma) for sigma in (0.5, 0.1))
 
     assert not len(ambiguous.offsets)
     assert [0.0, -1.0] in clear.directions.tolist()

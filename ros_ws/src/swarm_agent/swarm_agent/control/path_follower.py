@@ -33,7 +33,7 @@ class PathFollower:
         Coverage radius of the robot [m].
     """
 
-    def __init__(self, config: ControlConfig, period_s: float, radius: float = 0.0) -> None:
+    def __init__(self, config: ControlConfig, period_s: float, radius: float) -> None:
         self._config = config
         self._radius = radius
         self._period = period_s
@@ -114,8 +114,9 @@ class PathFollower:
         if not len(contacts) or length == 0.0:
             return False
         direction = leg / length
-        ahead = np.clip(contacts @ direction, 0.0, min(length, _AHEAD))
-        return bool((np.hypot(*(contacts - ahead[:, None] * direction).T) < self._radius).any())
+        along = contacts @ direction
+        nearest = np.minimum(along, min(length, _AHEAD))[:, None] * direction
+        return bool(((along > 0.0) & (np.hypot(*(contacts - nearest).T) < self._radius)).any())
 
     def _velocity(self, position: FloatArray, sigma: float) -> FloatArray:
         offset = self.path[0] - position

@@ -59,8 +59,9 @@ class DecisionConfig(Config):
         above=0.0,
     )
     plan_wait_s: float = setting(
-        1.0,
-        "a neighbor has had a newer plan for this long: ask it for the plan, whose flood must have been lost",
+        2.0,
+        "a neighbor has had a newer plan for this long: ask it for the plan, whose flood must have been lost; where two"
+        " parts of a network meet, the mission computer's plan for both should come first",
         unit="s",
         minimum=0.0,
     )

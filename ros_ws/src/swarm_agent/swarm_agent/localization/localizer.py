@@ -119,6 +119,7 @@ class Localizer:
         self._told_before: FloatArray | None = None
         self._walls = None if is_literal or config.wall_sigma_m is None else WallMap(walls)
         self._walls_from: int | None = None  # tick
+        self._heard: dict[NodeId, Presence] = {}  # last words of all, ever: a body stays where its radio fell silent
         self._due = 0  # tick of the next localization
         self._doubts = 0  # fixes, or rounds of ranging, in a row that did not fit
         self._beacon_until = -1  # tick
@@ -177,9 +178,10 @@ class Localizer:
             self._due = tick + self._every
             is_corrected = self._take_ranges(*observe(scan, neighbors, tick, self._period))
         self.walls = _NO_POINTS
+        self._heard.update(neighbors)
         self._walls_from = tick + WALLS_AFTER if self._walls_from is None else self._walls_from
         if len(proximity) and self._walls is not None and self._hypotheses and tick >= self._walls_from:
-            self._take_walls(self._walls, proximity, neighbors)
+            self._take_walls(self._walls, proximity)
         self.is_beacon = tick <= self._beacon_until
         return self._estimate(imu.yaw, is_corrected=is_corrected)
 
@@ -217,11 +219,11 @@ class Localizer:
         behind = self._lag * float(np.hypot(*(told - self._told_before)))
         return (self._command_sigma + behind) ** 2 * _UNIT_NOISE
 
-    def _take_walls(self, walls: WallMap, points: FloatArray, neighbors: Mapping[NodeId, Presence]) -> None:
+    def _take_walls(self, walls: WallMap, points: FloatArray) -> None:
         """Correct by the walls of the map that the sensed points belong to."""
         sigma, gate = self._config.wall_sigma_m, self._config.range_gate_chi_square
         assert sigma is not None  # or there would be no map
-        places, unsure = bodies(neighbors.values())
+        places, unsure = bodies(self._heard.values())
         told = []
         likeliest = max(self._hypotheses, key=lambda one: one.weight, default=None)
         for one in self._hypotheses:
@@ -245,7 +247,9 @@ class Localizer:
             others = others.only(slice(0, 0))
         if not len(beacons) + len(others):
             return False
-        rounds = [(one, *self._fused(one.belief, beacons, others)) for one in divided(self._hypotheses)]
+        several = divided(self._hypotheses)
+        has_rivals = len(several) > 1
+        rounds = [(one, *self._fused(one.belief, beacons, others, has_rivals=has_rivals)) for one in several]
         told = [(one, whole.belief, whole.log_likelihood) for one, _, whole in rounds]
         _, by_beacons, best = max(rounds, key=lambda each: math.log(each[0].weight) + each[2].log_likelihood)
         self._hypotheses = reweighed(told)
@@ -258,10 +262,12 @@ class Localizer:
             self._doubts = 0
         return by_beacons >= BEACONS_FOR_A_FIX
 
-    def _fused(self, belief: SplitBelief, beacons: RangeObservations, others: RangeObservations) -> tuple[int, Fusion]:
+    def _fused(
+        self, belief: SplitBelief, beacons: RangeObservations, others: RangeObservations, *, has_rivals: bool
+    ) -> tuple[int, Fusion]:
         """Return the number of beacons that were believed, and what became of all ranges together."""
-        first = fuse_beacons(belief, beacons, self._ranges)
-        then = fuse_neighbors(first.belief, others, self._ranges)
+        first = fuse_beacons(belief, beacons, self._ranges, has_rivals=has_rivals)
+        then = fuse_neighbors(first.belief, others, self._ranges, has_rivals=has_rivals)
         return first.accepted, Fusion(
             then.belief,
             first.accepted + then.accepted,

@@ -28,7 +28,7 @@ from scipy.special import ndtr
 from swarm_agent.localization.kalman import Gaussian
 from swarm_agent.localization.motion_model import POSITION, STATES
 from swarm_agent.localization.observations import RangeObservations
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray
 
 _SAME_FOR_ROUNDS = 40.0
 """Rounds of ranging in which the curvature's error hardly changes: as noise, it must count that many times."""
@@ -127,7 +127,7 @@ class _Sight:
     their_across: FloatArray
 
 
-def fuse_beacons(belief: SplitBelief, seen: RangeObservations, model: RangeModel) -> Fusion:
+def fuse_beacons(belief: SplitBelief, seen: RangeObservations, model: RangeModel, *, has_rivals: bool = True) -> Fusion:
     """Return the belief after ranges to beacons, each of them used alone: one or two are worth having (spec section 4).
 
     Parameters
@@ -136,20 +136,30 @@ def fuse_beacons(belief: SplitBelief, seen: RangeObservations, model: RangeModel
     seen : RangeObservations
         To beacons; their errors count as independent of each other and of everything else.
     model : RangeModel
+    has_rivals : bool
+        Whether there are other beliefs that this one must be compared with; if not, its likelihood is left at 0.
     """
     if not len(seen):
         return Fusion(belief, 0, 0, 0.0)
     sight = _sight(belief.gaussian, seen)
-    residuals, noise = _compared(seen.ranges, sight.distances, sight.own_across + sight.their_across, model.sigma)
-    noise += sight.their
+    across = sight.own_across + sight.their_across
+    residuals, variance, bend = _compared(seen.ranges, sight.distances, across, model.sigma)
+    variance += sight.their
+    noise = variance + _SAME_FOR_ROUNDS * bend
     weighed = _weighed(residuals, noise, noise + sight.own, model.gate)
     information, pull = _combined(sight.lines, weighed.weights, residuals)
     after = _informed(belief.gaussian, belief.gaussian.covariance, information, pull)
     corrected = fixed(belief, Gaussian(after.mean, after.covariance))
-    return Fusion(corrected, weighed.accepted, weighed.rejected, _log_likelihood(weighed, after, pull))
+    position = belief.gaussian.covariance[POSITION, POSITION]
+    likelihood = 0.0
+    if has_rivals:
+        likelihood = _log_likelihood(sight.lines, residuals, variance + bend, weighed, position, model.gate)
+    return Fusion(corrected, weighed.accepted, weighed.rejected, likelihood)
 
 
-def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeModel) -> Fusion:
+def fuse_neighbors(
+    belief: SplitBelief, seen: RangeObservations, model: RangeModel, *, has_rivals: bool = True
+) -> Fusion:
     """Return the belief after ranges to robots that are uncertain of where they are (see the module's text).
 
     Parameters
@@ -158,6 +168,8 @@ def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeMod
     seen : RangeObservations
         To robots that are no beacons.
     model : RangeModel
+    has_rivals : bool
+        Whether there are other beliefs that this one must be compared with; if not, its likelihood is left at 0.
     """
     if not len(seen):
         return Fusion(belief, 0, 0, 0.0)
@@ -167,8 +179,9 @@ def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeMod
     common_across = np.minimum(shared * sight.own_across, seen.shared * sight.their_across)
     foreign = model.inflation * (sight.their - common)
     across = sight.own_across + sight.their_across - 2.0 * common_across
-    residuals, noise = _compared(seen.ranges, sight.distances, across, model.sigma)
-    noise += foreign
+    residuals, variance, bend = _compared(seen.ranges, sight.distances, across, model.sigma)
+    variance += foreign
+    noise = variance + _SAME_FOR_ROUNDS * bend
     weighed = _weighed(residuals, noise, noise + sight.own - common, model.gate)
     weights = weighed.weights
     # Share of the prior that the neighbors have too, on the average: a range cannot see it.
@@ -181,8 +194,11 @@ def fuse_neighbors(belief: SplitBelief, seen: RangeObservations, model: RangeMod
     taken_over = (after.gain @ sight.lines) * (weights * np.sqrt(foreign))
     left = _position_variance(after.covariance) / max(_position_variance(own), _TINY)
     shared_after = (unseen + (shared - unseen) * left) * prior[POSITION, POSITION] + taken_over @ taken_over.T
-    belief = _split(gaussian, shared_after)
-    return Fusion(belief, weighed.accepted, weighed.rejected, _log_likelihood(weighed, after, pull))
+    position = own[POSITION, POSITION]
+    likelihood = 0.0
+    if has_rivals:
+        likelihood = _log_likelihood(sight.lines, residuals, variance + bend, weighed, position, model.gate)
+    return Fusion(_split(gaussian, shared_after), weighed.accepted, weighed.rejected, likelihood)
 
 
 def fuse_walls(
@@ -233,10 +249,10 @@ def fixed(belief: SplitBelief, after: Gaussian) -> SplitBelief:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Weighed:
+    is_in: BoolArray  # (m,)
     weights: FloatArray  # (m,) inverse variances of the ranges, given both positions; 0 for outliers [1/m^2]
     accepted: int
     rejected: int
-    surprise: float  # -2 log p(ranges), without constants, if the prior were certain
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,7 +260,6 @@ class _Informed:
     mean: FloatArray
     covariance: FloatArray
     gain: FloatArray  # (2, 2): how far the position follows the pull
-    determinant: float  # of I + L S: by how much the ranges shrink the area of the ellipse, squared
 
 
 def _sight(belief: Gaussian, seen: RangeObservations) -> _Sight:
@@ -267,13 +282,14 @@ def _sight(belief: Gaussian, seen: RangeObservations) -> _Sight:
 
 def _compared(
     ranges: FloatArray, distances: FloatArray, across: FloatArray, sigma: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return how much longer each range is than expected [m], and the variance of that on top of the line's own [m^2].
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return how much longer each range is than expected [m], and two variances of that on top of the line's own [m^2].
 
     A range differs from the distance between two estimates for two reasons besides its noise. An error across the line
     of sight makes it longer, by across / (2 d) on the average: near a neighbor that is much, and a filter that only
     linearizes takes it for a distance. And no range is negative: where noise would make it so it is zero, a censored
-    measurement, longer than its noise by itself and with less to say. Both return the moments of what remains.
+    measurement, longer than its noise by itself and with less to say. What remains has the moments
+    returned; the second variance is that of the errors across the line, which are the same in the next round.
     """
     square = distances * distances + across
     bent = np.sqrt(square)
@@ -285,20 +301,15 @@ def _compared(
     # E[r^2] - E[r]^2, over sigma^2, without the difference of two large numbers, which would be all that remains of a
     # small sigma.
     variance = positive - density * density + steps * (spread * negative + density * (negative - positive))
-    # By how much an error across the line really lengthens a range stays the same from one round to the next.
-    bend = across * across / square
     residuals = (ranges - sigma * (spread + density)) / positive
-    return residuals, variance * sigma**2 / (positive * positive) + 0.5 * _SAME_FOR_ROUNDS * bend
+    return residuals, variance * sigma**2 / (positive * positive), 0.5 * across * across / square
 
 
 def _weighed(residuals: FloatArray, noise: FloatArray, variances: FloatArray, gate: float) -> _Weighed:
     """Return what ranges with these `variances` (m,) of their residuals are worth; those outside the gate nothing."""
     is_in = residuals * residuals <= gate * variances
     accepted = int(np.count_nonzero(is_in))
-    rejected = len(is_in) - accepted
-    weights = is_in / noise
-    surprise = float(residuals @ (weights * residuals)) + gate * rejected + float(np.log(noise).sum())
-    return _Weighed(weights, accepted, rejected, surprise)
+    return _Weighed(is_in, is_in / noise, accepted, len(is_in) - accepted)
 
 
 def _combined(lines: FloatArray, weights: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -332,12 +343,25 @@ def _informed(belief: Gaussian, covariance: FloatArray, information: FloatArray,
     keep = _IDENTITY.copy()
     keep[:, POSITION] -= gain @ information
     corrected = keep @ covariance @ keep.T + gain @ information @ gain.T
-    return _Informed(belief.mean + gain @ pull, 0.5 * (corrected + corrected.T), gain[POSITION], determinant)
+    return _Informed(belief.mean + gain @ pull, 0.5 * (corrected + corrected.T), gain[POSITION])
 
 
-def _log_likelihood(weighed: _Weighed, after: _Informed, pull: FloatArray) -> float:
-    """Return log p(ranges), without constants, by the matrix determinant and inversion lemmas."""
-    return -0.5 * (weighed.surprise - float(pull @ after.gain @ pull) + math.log(after.determinant))
+def _log_likelihood(  # noqa: PLR0913, PLR0917 - what a correction is made of
+    lines: FloatArray, residuals: FloatArray, noise: FloatArray, weighed: _Weighed, position: FloatArray, gate: float
+) -> float:
+    """Return log p(ranges), without constants, by the matrix determinant and inversion lemmas.
+
+    The noise is that of one round. What counts for many rounds in a correction would make a range worthless here, and
+    the hypotheses near a neighbor, where ranges bend, improbable whatever the range.
+    """
+    weights = weighed.is_in / noise
+    information, pull = _combined(lines, weights, residuals)
+    (a, b), (c, d) = (_IDENTITY[:2, :2] + information @ position).tolist()
+    determinant = a * d - b * c
+    explained = float(pull @ position @ np.array(((d, -b), (-c, a))) @ pull) / determinant
+    surprise = float(residuals @ (weights * residuals)) + gate * weighed.rejected + float(np.log(noise).sum())
+    log_likelihood: float = -0.5 * (surprise - explained + math.log(determinant))
+    return log_likelihood
 
 
 def _split(gaussian: Gaussian, shared: FloatArray) -> SplitBelief:

@@ -5,7 +5,7 @@ steer it against a corner of which it believes to be clear, and there it stands.
 around: seen to within millimeters, at a place that does not change.
 
 A sensed point may as well be another robot. It is taken for a wall if a face or a corner looks at the robot from just
-that direction, if no other one could be meant, and if no radio neighbor may stand there. Seen face to face, a wall
+that direction, if no other one could be meant, and if nobody who was ever heard may stand there. Seen face to face, a wall
 also does not end before the robot: that tells one that has come to the end of a long wall from one that only believes
 it has.
 """
@@ -22,8 +22,8 @@ from swarm_agent.localization.hypotheses import widest
 from swarm_msgs_py.types import BoolArray, FloatArray
 
 ASKEW = math.radians(12.0)
-"""A face is seen along its normal, give or take this angle; a corner from between the normals of its faces, and at least so
-far from both, where it cannot be meant for one of the faces [rad]."""
+"""A face is seen along its normal, give or take this angle; a corner from between the normals of its faces, at least so
+far from both, where none of the faces is meant [rad]."""
 
 SIGMAS = 3.0
 """Standard deviations of both positions within which a point may be a neighbor."""

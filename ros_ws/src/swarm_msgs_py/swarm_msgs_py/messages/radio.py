@@ -13,7 +13,6 @@ import numpy as np
 
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
-
 SIGMA_UNKNOWN = 65.535
 """Standard deviation [m] of a radio that does not know where it is; the largest that fits a hello."""
 
