@@ -90,9 +90,10 @@ def trajectory_arrays(scenario: Scenario, trace: Trace, plan: Plan | None) -> Ma
     """Return what ``trajectories.npz`` holds, by name; SI units, rows in the order of robot ids.
 
     Motion samples: ``time`` (s,), ``position``, ``velocity`` (s, n, 2). Ticks: ``tick_time`` (t,), ``yaw``, ``alive``,
-    ``mode``, ``goal``, ``positioning``, ``beacons`` (t, n), ``estimate`` (t, n, 2), ``covariance`` (t, n, 2, 2). Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,).
-    Final plan: ``contour`` (k, 2), ``goals`` (g, 2), ``goal_type`` (g,). Obstacles: all corners in ``obstacle_corners``
-    (c, 2), of which obstacle i has ``obstacle_sizes[i]``.
+    ``mode``, ``goal``, ``positioning``, ``beacons`` (t, n), ``estimate`` (t, n, 2), ``covariance`` (t, n, 2, 2).
+    Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,). Final plan: ``contour`` (k, 2), ``goals`` (g, 2),
+    ``goal_type`` (g,). Obstacles: all corners in ``obstacle_corners`` (c, 2), of which obstacle i has
+    ``obstacle_sizes[i]``.
     """
     types = robot_types(scenario)
     obstacles = [obstacle.polygon() for obstacle in scenario.map.obstacles]

@@ -93,7 +93,7 @@ def test_a_point_that_a_neighbor_may_have_made_is_no_wall(robot: tuple[float, fl
 def test_a_neighbor_that_does_not_know_where_it_is_may_be_anywhere() -> None:
     far = np.array([[5.0, 8.0]])
 
-    assert look((5.0, -1.5), (0.0, 0.2), robots=(far, np.array([3.0]))) is NOTHING
+    assert look((5.0, -1.5), (0.0, 0.2), robots=(far, np.array([4.0]))) is NOTHING
 
 
 def test_of_two_parallel_faces_that_both_may_be_meant_none_is() -> None:

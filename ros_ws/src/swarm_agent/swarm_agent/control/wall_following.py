@@ -1,9 +1,9 @@
 """Sliding along a wall that ought not to be there.
 
-On its map a robot plans paths that keep clear of all walls. If its path leads into one all the same, its estimate is off,
-mostly along the wall: across it, the wall itself corrects the estimate. Then the way on is along the wall, in the sense in
-which the path leads, until the wall's end shows up, which is a landmark. Without memory the robot would turn back as soon as
-the point that it means to reach seems to lie behind it, and shuttle to and fro in front of the wall for good.
+On its map a robot plans paths that keep clear of all walls. If its path leads into one all the same, its estimate is
+off, mostly along the wall: across it, the wall itself corrects the estimate. Then the way on is along the wall, in the
+sense in which the path leads, until the wall's end shows up, which is a landmark. Without memory the robot would turn
+back as soon as the point that it means to reach seems to lie behind it, and shuttle in front of the wall for good.
 """
 
 from __future__ import annotations

@@ -5,9 +5,9 @@ steer it against a corner of which it believes to be clear, and there it stands.
 around: seen to within millimeters, at a place that does not change.
 
 A sensed point may as well be another robot. It is taken for a wall if a face or a corner looks at the robot from just
-that direction, if no other one could be meant, and if nobody who was ever heard may stand there. Seen face to face, a wall
-also does not end before the robot: that tells one that has come to the end of a long wall from one that only believes
-it has.
+that direction, if no other one could be meant, and if nobody who was ever heard may stand there. Seen face to face, a
+wall also does not end before the robot: that tells one that has come to the end of a long wall from one that only
+believes it has.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ ASKEW = math.radians(12.0)
 """A face is seen along its normal, give or take this angle; a corner from between the normals of its faces, at least so
 far from both, where none of the faces is meant [rad]."""
 
-SIGMAS = 3.0
-"""Standard deviations of both positions within which a point may be a neighbor."""
+SIGMAS = 2.0
+"""Standard deviations of the distance to a neighbor within which a point may be that neighbor. More would be safer, and
+keep a robot that is not sure of its place from the walls that could tell it."""
 
 SURPRISE_MAX, CLEARLY = 9.0, 6.0
 """A wall is meant if it fits within three standard deviations, and any other one is twenty times less probable."""
@@ -162,5 +163,5 @@ def _surprise(directions: FloatArray, covariance: FloatArray, offsets: FloatArra
 def _are_no_robots(spots: FloatArray, sigma: float, robots: FloatArray, unsure: FloatArray) -> BoolArray:
     """Return which of the points, (k, 2), no robot that speaks can have made."""
     east, north = spots[:, :1] - robots[:, 0], spots[:, 1:] - robots[:, 1]
-    keep_off = ROBOT_M + SIGMAS * (sigma + unsure)
+    keep_off = ROBOT_M + SIGMAS * np.hypot(sigma, unsure)
     return np.asarray((east * east + north * north > keep_off * keep_off).all(axis=1))
