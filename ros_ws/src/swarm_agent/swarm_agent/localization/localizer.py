@@ -11,7 +11,7 @@ import numpy as np
 
 from swarm_agent.localization.config import LpsConfig, LpsMode
 from swarm_agent.localization.hypotheses import Hypotheses, Hypothesis, certain, divided, merged, reweighed
-from swarm_agent.localization.kalman import correct, innovation, predict
+from swarm_agent.localization.kalman import Gaussian, correct, innovation, predict
 from swarm_agent.localization.motion_model import (
     OBSERVE_POSITION,
     OBSERVE_VELOCITY,
@@ -42,11 +42,14 @@ MIN_SIGMA = 1e-4  # no position sensor is better [m]; keeps the filter regular w
 BEACONS_FOR_A_FIX = 3  # two circles meet in two points
 BEACON_MEMORY_S = 3.0  # a sensor that has said nothing usable for that long makes no beacon any more
 WALLS_AFTER = 6  # ticks, from the first on, in which what is near may be a robot that has not been heard yet
+UNEXPLAINED_TICKS = 10  # so long may a robot that was never heard be what stands in the way
+DOUBT_M2 = 0.05  # by so much per tick, and axis, a belief widens that does not explain what is seen [m^2]
 DOUBT_SHARE = 0.5  # a round in which more than this share of the ranges are outliers speaks against the filter
 
 _log = logging.getLogger(__name__)
 _UNIT_NOISE: FloatArray = np.eye(2)
 _NO_IDEA: FloatArray = np.diag([math.inf, math.inf])
+_DOUBT_NOISE: FloatArray = DOUBT_M2 * (OBSERVE_POSITION.T @ OBSERVE_POSITION)
 _NO_POINTS: FloatArray = np.empty((0, 2))
 
 
@@ -119,6 +122,7 @@ class Localizer:
         self._told_before: FloatArray | None = None
         self._walls = None if is_literal or config.wall_sigma_m is None else WallMap(walls)
         self._walls_from: int | None = None  # tick
+        self._unexplained = 0  # ticks in a row with something near that is no wall and no robot
         self._heard: dict[NodeId, Presence] = {}  # last words of all, ever: a body stays where its radio fell silent
         self._due = 0  # tick of the next localization
         self._doubts = 0  # fixes, or rounds of ranging, in a row that did not fit
@@ -182,6 +186,8 @@ class Localizer:
         self._walls_from = tick + WALLS_AFTER if self._walls_from is None else self._walls_from
         if len(proximity) and self._walls is not None and self._hypotheses and tick >= self._walls_from:
             self._take_walls(self._walls, proximity)
+        else:
+            self._unexplained = 0
         self.is_beacon = tick <= self._beacon_until
         return self._estimate(imu.yaw, is_corrected=is_corrected)
 
@@ -237,7 +243,11 @@ class Localizer:
             told.append((one, after, seen.log_likelihood))
             if one is likeliest:
                 self.walls = seen.faces
+                self._unexplained = 0 if seen.is_explained else self._unexplained + 1
         self._hypotheses = reweighed(told)
+        if self._unexplained > UNEXPLAINED_TICKS:
+            # Something stands where nothing should: little by little, the robot believes it rather than itself.
+            self._change(_doubtful)
 
     def _take_ranges(self, beacons: RangeObservations, others: RangeObservations) -> bool:
         """Correct by ranges; return whether the beacons determined the position."""
@@ -339,3 +349,10 @@ class Localizer:
     def _begin(self, position: FloatArray, covariance: FloatArray, speed_sigma: float, shared: float = 0.0) -> None:
         bias = self._config.acceleration_bias_max_mps2
         self._hypotheses = certain(SplitBelief(belief_at(position, covariance, speed_sigma, bias), shared))
+
+
+def _doubtful(belief: SplitBelief) -> SplitBelief:
+    """Return a belief whose position is less certain, for reasons of its own."""
+    covariance = belief.gaussian.covariance.copy()
+    covariance[POSITION, POSITION] += DOUBT_M2 * _UNIT_NOISE
+    return predicted(belief, Gaussian(belief.gaussian.mean, covariance), _DOUBT_NOISE)

@@ -56,15 +56,18 @@ class Recognition:
         How well walls explain what is seen, up to a constant.
     faces : (f, 2) array
         The sensed points that belong to faces, relative to the robot [m].
+    is_explained : bool
+        Every point may be a wall or a robot, for all that the robot believes of its place.
     """
 
     directions: FloatArray
     offsets: FloatArray
     log_likelihood: float
     faces: FloatArray
+    is_explained: bool
 
 
-NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0, np.empty((0, 2)))
+NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0, np.empty((0, 2)), is_explained=True)
 
 
 class WallMap:
@@ -133,7 +136,13 @@ class WallMap:
         corners = away[seen[~is_face], best[~is_face] - len(self._starts)]
         directions = (self._normals[face], self._along[face[ends]], np.tile(np.eye(2), (len(corners), 1)))
         steps = (short[point, face], beyond[point[ends], face[ends]], corners.ravel())
-        return Recognition(np.concatenate(directions), np.concatenate(steps), log_likelihood, points[point])
+        return Recognition(
+            np.concatenate(directions),
+            np.concatenate(steps),
+            log_likelihood,
+            points[point],
+            is_explained=bool((first <= SURPRISE_MAX).all()),
+        )
 
 
 _NEVER = 1e9
