@@ -20,7 +20,7 @@ from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 from swarm_sim.metrics.settling import Settling, settling
 from swarm_sim.metrics.trace import Trace, TraceRecorder
 
-WARM_UP_S = 60.0  # spec 14.5: before it, robots without position sensor are still finding out where they are
+WARM_UP_S = 60.0  # spec 14.5: before it, robots are still finding out where they are; of short runs, half
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +242,8 @@ def _blind(scenario: Scenario, trace: Trace) -> BoolArray:
     blind = np.array([robot not in carriers for robot in range(scenario.robots.count)])
     if not blind.any():
         return trace.alive
-    counted: BoolArray = trace.alive & blind & (trace.tick_times >= WARM_UP_S)[:, None]
+    warm_up = min(WARM_UP_S, 0.5 * float(trace.tick_times[-1])) if len(trace.tick_times) else WARM_UP_S
+    counted: BoolArray = trace.alive & blind & (trace.tick_times >= warm_up)[:, None]
     return counted
 
 

@@ -8,7 +8,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from types import FunctionType, ModuleType
 from typing import Any
@@ -56,7 +56,7 @@ class FaultyAgent:
 class SwarmWithFaults(SmallSwarm):
     """Some robots with the tick at which something happens to them, and what."""
 
-    faults: Mapping[int, tuple[int, Callable[[], None]]]
+    faults: Mapping[int, tuple[int, Callable[[], None]]] = field(kw_only=True)
 
     def agent(self, robot: NodeId) -> Any:
         agent = super().agent(robot)
@@ -70,7 +70,7 @@ def fail() -> None:
 def test_a_robot_whose_step_raises_is_taken_out_and_its_process_goes_on() -> None:
     faults = {3: (FATAL_TICK, fail), 0: (2 * FATAL_TICK, fail)}
 
-    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2) as engine:
+    with RosEngine(SwarmWithFaults(4, faults=faults), agents_per_process=2) as engine:
         records = list(islice(engine.ticks(), 3 * FATAL_TICK))
         statuses = [child.status for child in engine._group.children]
 
@@ -96,7 +96,7 @@ def hang() -> None:
 @pytest.mark.usefixtures("nothing_left")
 def test_a_process_that_hangs_is_reported_and_does_not_keep_the_swarm_from_stopping() -> None:
     faults = {1: (STALL_TICK, hang), 3: (STALL_TICK, hang)}
-    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=2.0) as engine:
+    with RosEngine(SwarmWithFaults(4, faults=faults), agents_per_process=2, deadline_s=2.0) as engine:
         records = list(islice(engine.ticks(), STALL_TICK + 12))
         stopping = time.monotonic()
 
@@ -116,7 +116,7 @@ def test_a_process_that_stalls_between_answering_and_reporting_does_not_hold_up_
             hang()
 
     faults = {1: (STALL_TICK, hang_second), 3: (STALL_TICK, hang_second)}
-    with RosEngine(SwarmWithFaults(4, faults), agents_per_process=2, deadline_s=2.0) as engine:
+    with RosEngine(SwarmWithFaults(4, faults=faults), agents_per_process=2, deadline_s=2.0) as engine:
         records = list(islice(engine.ticks(), STALL_TICK + 12))
 
     owed = [line for record in records for line in record.alerts if "did not report" in line]

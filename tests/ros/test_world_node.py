@@ -15,7 +15,7 @@ from swarm_msgs_py.frames import unpack_batch
 from swarm_msgs_py.ros import convert
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import NodeId
-from swarm_sim.config import Backend, PhysicsConfig, SimConfig
+from swarm_sim.config import Backend, PhysicsConfig, RangingConfig, SimConfig
 from swarm_sim.ros.world_node import WorldNode
 from swarm_sim.scene import RobotSpec, Scene
 from swarm_sim.simulation import Simulation
@@ -56,7 +56,7 @@ def _is_matched(publisher: Publisher, listeners: int) -> bool:
 def watched(domain_id: int) -> Iterator[Watched]:
     assert domain_id
     robots = tuple(RobotSpec(NodeId(k), SMALL, (8.0 * k, 0.0), 0.0, True) for k in range(2))
-    config = SimConfig(physics=PhysicsConfig(backend=Backend.MASSDAMPER))
+    config = SimConfig(physics=PhysicsConfig(backend=Backend.MASSDAMPER), ranging=RangingConfig(period_s=3.0))
     simulation = Simulation(config, Scene(robots, (), (-20.0, -20.0, 20.0, 20.0), (0.0, 0.0)), seed=1)
     with harness() as ros:
         yield Watched(ros, ros.add(WorldNode(simulation, PERIOD, context=ros.context)))

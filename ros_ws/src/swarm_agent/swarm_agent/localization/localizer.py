@@ -42,6 +42,8 @@ MIN_SIGMA = 1e-4  # no position sensor is better [m]; keeps the filter regular w
 BEACONS_FOR_A_FIX = 3  # two circles meet in two points
 BEACON_MEMORY_S = 3.0  # a sensor that has said nothing usable for that long makes no beacon any more
 WALLS_AFTER = 6  # ticks, from the first on, in which what is near may be a robot that has not been heard yet
+MOVING_MPS = 0.1  # who was this fast when last heard is elsewhere by now
+PASSING_S, STAYING_S = 5.0, 20.0  # so long does a silent robot keep others from taking it for a wall
 UNEXPLAINED_TICKS = 10  # so long may a robot that was never heard be what stands in the way
 DOUBT_M2 = 0.05  # by so much per tick, and axis, a belief widens that does not explain what is seen [m^2]
 DOUBT_SHARE = 0.5  # a round in which more than this share of the ranges are outliers speaks against the filter
@@ -123,7 +125,7 @@ class Localizer:
         self._walls = None if is_literal or config.wall_sigma_m is None else WallMap(walls)
         self._walls_from: int | None = None  # tick
         self._unexplained = 0  # ticks in a row with something near that is no wall and no robot
-        self._heard: dict[NodeId, Presence] = {}  # last words of all, ever: a body stays where its radio fell silent
+        self._heard: dict[NodeId, Presence] = {}  # last words: a body stays where its radio fell silent
         self._due = 0  # tick of the next localization
         self._doubts = 0  # fixes, or rounds of ranging, in a row that did not fit
         self._beacon_until = -1  # tick
@@ -185,7 +187,7 @@ class Localizer:
         self._heard.update(neighbors)
         self._walls_from = tick + WALLS_AFTER if self._walls_from is None else self._walls_from
         if len(proximity) and self._walls is not None and self._hypotheses and tick >= self._walls_from:
-            self._take_walls(self._walls, proximity)
+            self._take_walls(self._walls, proximity, tick)
         else:
             self._unexplained = 0
         self.is_beacon = tick <= self._beacon_until
@@ -225,11 +227,24 @@ class Localizer:
         behind = self._lag * float(np.hypot(*(told - self._told_before)))
         return (self._command_sigma + behind) ** 2 * _UNIT_NOISE
 
-    def _take_walls(self, walls: WallMap, points: FloatArray) -> None:
+    def _near_by_last_word(self, tick: int) -> list[Presence]:
+        """Return the last words of those that may still stand where they said; forget the others.
+
+        Who falls silent has died there, or has driven on, out of sight behind a wall. That wall must not stay hidden
+        for good because somebody once passed it.
+        """
+        for robot, presence in list(self._heard.items()):
+            age = ((tick - presence.tick) & 0xFFFF) * self._period
+            is_moving = float(np.abs(presence.velocity).max()) > MOVING_MPS
+            if age > (PASSING_S if is_moving else STAYING_S):
+                del self._heard[robot]
+        return list(self._heard.values())
+
+    def _take_walls(self, walls: WallMap, points: FloatArray, tick: int) -> None:
         """Correct by the walls of the map that the sensed points belong to."""
         sigma, gate = self._config.wall_sigma_m, self._config.range_gate_chi_square
         assert sigma is not None  # or there would be no map
-        places, unsure = bodies(self._heard.values())
+        places, unsure = bodies(self._near_by_last_word(tick))
         told = []
         likeliest = max(self._hypotheses, key=lambda one: one.weight, default=None)
         for one in self._hypotheses:

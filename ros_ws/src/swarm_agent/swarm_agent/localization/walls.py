@@ -5,7 +5,7 @@ steer it against a corner of which it believes to be clear, and there it stands.
 around: seen to within millimeters, at a place that does not change.
 
 A sensed point may as well be another robot. It is taken for a wall if a face or a corner looks at the robot from just
-that direction, if no other one could be meant, and if nobody who was ever heard may stand there. Seen face to face, a
+that direction, if no other one could be meant, and if nobody who was heard lately may stand there. Seen face to face, a
 wall also does not end before the robot: that tells one that has come to the end of a long wall from one that only
 believes it has.
 """
