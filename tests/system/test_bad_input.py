@@ -176,7 +176,7 @@ FILES = {
         r"bad\.yaml: map: the arena measures 849 m across, robots can tell path lengths up to 655 m; make it smaller",
     ),
     "plan larger than a radio frame": (
-        changed(lambda d: d["map"].update(bounds_m=[-5, -5, 90, 90], obstacles=[post(index) for index in range(70)])),
+        changed(lambda d: d["map"].update(bounds_m=[-5, -5, 90, 180], obstacles=[post(index) for index in range(140)])),
         r"bad\.yaml: shape: the plan cannot be radioed: Plan of \d+ bytes; .* simplify the contour or the obstacles",
     ),
     "death of a robot that is not there": (
