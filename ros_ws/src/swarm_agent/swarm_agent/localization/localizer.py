@@ -32,14 +32,13 @@ from swarm_agent.localization.range_fusion import (
     fuse_walls,
     predicted,
 )
-from swarm_agent.localization.trilateration import Trilateration, dilution, trilaterate
+from swarm_agent.localization.trilateration import MIN_BEACONS, Trilateration, dilution, trilaterate
 from swarm_agent.localization.walls import WallMap
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.types import FloatArray, NodeId
 
 MIN_SIGMA = 1e-4  # no position sensor is better [m]; keeps the filter regular when noise is switched off
-BEACONS_FOR_A_FIX = 3  # two circles meet in two points
 BEACON_MEMORY_S = 3.0  # a sensor that has said nothing usable for that long makes no beacon any more
 WALLS_AFTER = 6  # ticks, from the first on, in which what is near may be a robot that has not been heard yet
 MOVING_MPS = 0.1  # who was this fast when last heard is elsewhere by now
@@ -281,11 +280,11 @@ class Localizer:
         self.accepted += best.accepted
         self.rejected += best.rejected
         total = best.accepted + best.rejected
-        if total >= BEACONS_FOR_A_FIX and best.rejected > DOUBT_SHARE * total:
+        if total >= MIN_BEACONS and best.rejected > DOUBT_SHARE * total:
             self._doubt()
         elif best.accepted:
             self._doubts = 0
-        return by_beacons >= BEACONS_FOR_A_FIX
+        return by_beacons >= MIN_BEACONS
 
     def _fused(
         self, belief: SplitBelief, beacons: RangeObservations, others: RangeObservations, *, has_rivals: bool
