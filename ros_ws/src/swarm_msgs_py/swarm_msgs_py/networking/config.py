@@ -56,7 +56,7 @@ class NetworkConfig(Config):
         maximum=100,
     )
     paced_bps: float = setting(
-        120_000.0,
+        90_000.0,
         "rate that packets may take on the channel around any radio; hellos and acknowledgements come on top",
         unit="bit/s",
         minimum=1000.0,
