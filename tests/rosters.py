@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mission_computer.roster import Roster, TypeGroup
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster, TypeGroup
 
 FIELD = Roster.of(kind for kind, count in zip(THESIS_TYPES, (17, 17, 16), strict=True) for _ in range(count))
 """The fifty robots of the 100 m field, ``arena_main``."""

@@ -9,9 +9,9 @@ from bringup.resolution import contour_of
 from bringup.scenario import Scenario
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
-from mission_computer.roster import Roster
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import NodeId
 from swarm_sim.config import SimConfig
 from swarm_sim.scene import Scene

@@ -11,11 +11,11 @@ from bringup.labels import first_few
 from bringup.layout import rally_point
 from bringup.scenario import Scenario
 from mission_computer.plan_making import PlanMaker
-from mission_computer.roster import Roster
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError, FrameError
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
 from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 from swarm_sim.scene import Scene
 

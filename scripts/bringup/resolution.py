@@ -15,10 +15,10 @@ from bringup.cross_checks import check_events, check_margins, check_rally_point,
 from bringup.layout import make_scene, robot_types, walls
 from bringup.scenario import MapSpec, Scenario, ShapeSpec
 from bringup.scenario_file import Origin
-from mission_computer.roster import Roster
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ConfigError, ShapeError
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import Backend
 from swarm_sim.simulation import Simulation

@@ -19,7 +19,6 @@ from bringup.layout import robot_types, told_start, walls
 from bringup.resolution import contour_of, resolve
 from bringup.scenario import Scenario
 from bringup.scenario_file import ROBOT_COUNT, Override, load_scenario
-from mission_computer.roster import Roster
 from studies.lps_cells import Cell, Motion, Trial
 from studies.lps_scores import Scores, score
 from studies.wandering import Wandering
@@ -30,6 +29,7 @@ from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Presence, RouteRows
 from swarm_msgs_py.messages.report import Positioning
 from swarm_msgs_py.networking.neighbors import NeighborTable
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import AgentInputs
 from swarm_msgs_py.types import FloatArray, NodeId
 from swarm_sim.scene import Scene

@@ -12,7 +12,6 @@ from hypothesis.extra.numpy import arrays
 
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
-from mission_computer.roster import Roster
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import encode_frame
@@ -20,6 +19,7 @@ from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs
 from swarm_msgs_py.types import EVERYONE, MISSION, NodeId
 

@@ -6,14 +6,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import Point, Polygon
 
-from mission_computer.partition import PartitionConfig, check_fits, partition
-from mission_computer.partition.config import BubbleConfig
-from mission_computer.roster import Roster
 from mission_computer.shape import load_shape
-from mission_computer.shape.contour import signed_area
 from mission_computer.shape.validation import VERTICES_MAX
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import signed_area
+from swarm_msgs_py.partition import PartitionConfig, check_fits, partition
+from swarm_msgs_py.partition.config import BubbleConfig
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
 
 BRIEF = PartitionConfig(bubbles=BubbleConfig(iterations_max=150))  # the laws hold wherever the packing stops

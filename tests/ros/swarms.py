@@ -8,11 +8,11 @@ import numpy as np
 
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
-from mission_computer.roster import Roster
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import NodeId
 from swarm_sim.config import Backend, PhysicsConfig, SimConfig
 from swarm_sim.scene import RobotSpec, Scene

@@ -6,7 +6,6 @@ from builders import make_presence
 
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
-from mission_computer.roster import Roster
 from mission_computer.shape import load_shape
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest
@@ -15,6 +14,7 @@ from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import EVERYONE, MISSION, FloatArray, NodeId
 

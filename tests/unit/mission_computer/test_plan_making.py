@@ -3,13 +3,13 @@ import pytest
 from shapely import LineString, Point, Polygon
 
 from mission_computer.membership import Member
-from mission_computer.partition import PartitionConfig
 from mission_computer.plan_making import PlanMaker, body_outline
-from mission_computer.roster import Roster
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, NodeId
 
 SQUARE = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]])

@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 from shapely import Polygon
 
 from mission_computer.shape import check_inside, library_names, load_shape
-from mission_computer.shape.contour import area_centroid, boundary_center, signed_area
 from mission_computer.shape.library import library_points
 from mission_computer.shape.validation import VERTICES_MAX
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import area_centroid, boundary_center, signed_area
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
 RING = [*SQUARE, [0, 0]]

@@ -6,10 +6,10 @@ import pytest
 from bringup.cross_checks import first_plan
 from bringup.layout import robot_types, walls
 from bringup.resolution import contour_of
-from mission_computer.roster import Roster
 from studies.lps_cells import Cell, Experiment, Motion, Trial
 from studies.lps_formation import in_formation, run_formation, shape_of
 from swarm_agent.localization.config import LpsMode
+from swarm_msgs_py.roster import Roster
 from swarm_sim.config import RangingModel
 
 SHORT = Trial(robots=14, duration_s=12.0, warm_up_s=6.0)

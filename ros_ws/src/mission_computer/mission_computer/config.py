@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission_computer.partition.config import PartitionConfig
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.partition.config import PartitionConfig
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

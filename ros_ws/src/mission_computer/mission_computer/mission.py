@@ -11,7 +11,6 @@ from mission_computer.config import MissionConfig
 from mission_computer.dissemination import Dissemination
 from mission_computer.membership import Membership, change_line
 from mission_computer.plan_making import PlanMaker
-from mission_computer.roster import Roster
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError, SwarmError
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epoch
@@ -19,6 +18,7 @@ from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import MissionReport, Mode
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 

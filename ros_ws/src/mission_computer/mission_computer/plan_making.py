@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 
 from mission_computer.membership import Member
-from mission_computer.partition import GoalSet, PartitionConfig, adapt, partition
-from mission_computer.roster import Roster
 from mission_computer.shape import check_inside, load_shape
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.partition import GoalSet, PartitionConfig, adapt, partition
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 CORNERS = 8  # of the polygon around a lost robot's body

@@ -14,7 +14,6 @@ from rclpy.node import Node
 
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
-from mission_computer.roster import Roster
 from mission_computer.shape import load_shape
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
@@ -25,6 +24,7 @@ from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import channels, convert, parameters, views
 from swarm_msgs_py.ros.spin import run_node
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import MISSION, FloatArray

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from mission_computer.shape.contour import area_centroid
 from mission_computer.shape.geojson import geojson_ring
 from mission_computer.shape.library import library_names, library_points
 from mission_computer.shape.validation import validate
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import area_centroid
 from swarm_msgs_py.types import FloatArray
 
 FILE_BYTES_MAX = 10_000_000  # a contour of 100 000 vertices; more is a wrong file, not a shape

@@ -6,8 +6,8 @@ import numpy as np
 from shapely import LinearRing, Polygon
 from shapely.validation import explain_validity
 
-from mission_computer.shape.contour import area_centroid, signed_area
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import area_centroid, signed_area
 from swarm_msgs_py.types import FloatArray
 
 VERTICES_MAX = 128  # contour bytes in the plan frame: 4 per vertex, half a KiB at this number

@@ -3,8 +3,8 @@ import pytest
 from numpy.testing import assert_allclose
 from shapely import Point, Polygon
 
-from mission_computer.partition.free_region import free_region
 from mission_computer.shape import load_shape
+from swarm_msgs_py.partition.free_region import free_region
 
 SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
 

@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from shapely import Polygon
 
-from mission_computer.partition.config import Gaps
-from mission_computer.partition.free_region import FreeRegion, free_region
-from mission_computer.shape.contour import boundary_center, signed_area
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import boundary_center, signed_area
+from swarm_msgs_py.partition.config import Gaps
+from swarm_msgs_py.partition.free_region import FreeRegion, free_region
 from swarm_msgs_py.types import FloatArray
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mission_computer.partition.domain import Domain
+from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.types import FloatArray
 
 SLACK = 1e-6  # [m]; overlap that counts as none: far below every gap, far above rounding

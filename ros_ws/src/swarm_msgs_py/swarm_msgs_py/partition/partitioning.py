@@ -8,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from mission_computer.partition.config import PartitionConfig
-from mission_computer.partition.domain import Domain, check_obstacles
-from mission_computer.partition.method import METHODS, PartitionMethod
-from mission_computer.partition.separation import FINAL_SWEEPS, Separator
-from mission_computer.roster import Roster
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.partition.config import PartitionConfig
+from swarm_msgs_py.partition.domain import Domain, check_obstacles
+from swarm_msgs_py.partition.method import METHODS, PartitionMethod
+from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 SCALE_STEP = 1.02  # how finely the remedy of a too small shape is searched

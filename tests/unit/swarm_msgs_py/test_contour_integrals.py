@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from mission_computer.partition.shape_force import ShapeForce
 from mission_computer.shape import load_shape
+from swarm_msgs_py.geometry.contour_integrals import ShapeForce
 from swarm_msgs_py.types import FloatArray
 
 

@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from mission_computer.partition.config import BubbleConfig, BubbleLaw
-from mission_computer.partition.domain import Domain
-from mission_computer.partition.initial_placement import place
-from mission_computer.partition.separation import FINAL_SWEEPS, Separator
-from mission_computer.partition.shape_force import ShapeForce
+from swarm_msgs_py.geometry.contour_integrals import ShapeForce
+from swarm_msgs_py.partition.config import BubbleConfig, BubbleLaw
+from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.initial_placement import place
+from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
 from swarm_msgs_py.types import FloatArray
 
 THESIS_RANGE = 2.5  # [m], l0 of thesis eq. (3.95)

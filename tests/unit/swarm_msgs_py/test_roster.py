@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from mission_computer.roster import Roster, TypeGroup
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster, TypeGroup
 
 
 def test_a_roster_counts_the_robots_of_each_type() -> None:

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from mission_computer.partition.config import Gaps
-from mission_computer.partition.domain import Domain
-from mission_computer.partition.separation import Separator
+from swarm_msgs_py.partition.config import Gaps
+from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.separation import Separator
 from swarm_msgs_py.types import FloatArray
 
 SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])

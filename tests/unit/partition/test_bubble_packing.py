@@ -3,10 +3,10 @@ import pytest
 from mesh_irregularity import mesh_irregularity
 from rosters import FIELD
 
-from mission_computer.partition.bubble_packing import BubblePacking
-from mission_computer.partition.config import BubbleConfig, BubbleLaw, Gaps
-from mission_computer.partition.domain import Domain
 from mission_computer.shape import load_shape
+from swarm_msgs_py.partition.bubble_packing import BubblePacking
+from swarm_msgs_py.partition.config import BubbleConfig, BubbleLaw, Gaps
+from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.types import FloatArray
 
 ROSTER = FIELD

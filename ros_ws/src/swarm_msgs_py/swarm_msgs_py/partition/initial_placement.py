@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mission_computer.partition.domain import Domain
-from mission_computer.partition.free_region import FreeRegion
+from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.free_region import FreeRegion
 from swarm_msgs_py.types import FloatArray
 
 TOUCH = 1e-9  # [m]; candidates lie on the boundary of what they must stay out of, up to rounding

@@ -3,10 +3,10 @@ import pytest
 from shapely import Point, Polygon
 from shapely.ops import nearest_points
 
-from mission_computer.partition.config import Gaps
-from mission_computer.partition.domain import Domain
-from mission_computer.partition.initial_placement import place
 from mission_computer.shape import load_shape
+from swarm_msgs_py.partition.config import Gaps
+from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.initial_placement import place
 from swarm_msgs_py.types import FloatArray
 
 GAPS = Gaps(robot_m=0.3, contour_m=0.15, obstacle_m=0.2)

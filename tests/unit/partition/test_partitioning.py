@@ -5,13 +5,13 @@ import pytest
 from rosters import FIELD, TABLE
 from shapely import Point, Polygon
 
-from mission_computer.partition import PartitionConfig, adapt, check_fits, partition
-from mission_computer.partition.config import Gaps
-from mission_computer.roster import Roster
 from mission_computer.shape import library_names, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.partition import PartitionConfig, adapt, check_fits, partition
+from swarm_msgs_py.partition.config import Gaps
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 
 ARENA = load_arena("arena_main")
 TABLE_ARENA = load_arena("arena_table")

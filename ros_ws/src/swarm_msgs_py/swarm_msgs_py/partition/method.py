@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
-from mission_computer.partition.bubble_packing import BubblePacking
-from mission_computer.partition.config import Method, PartitionConfig
-from mission_computer.partition.domain import Domain
+from swarm_msgs_py.partition.bubble_packing import BubblePacking
+from swarm_msgs_py.partition.config import Method, PartitionConfig
+from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.types import FloatArray
 
 

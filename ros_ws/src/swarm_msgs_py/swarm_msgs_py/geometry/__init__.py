@@ -1,0 +1,1 @@
+"""Plane geometry that robots and mission computer share: closed contours and integrals along them."""
