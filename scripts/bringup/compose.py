@@ -59,11 +59,18 @@ class ScenarioActors:
         """Settings of the mission computer."""
         return self.scenario.mission
 
-    @property
-    def agent_config(self) -> AgentConfig:
-        """Settings of every robot; it rallies at the mission computer unless the scenario says where."""
-        agent = self.scenario.agent
-        return replace(agent, decision=replace(agent.decision, rally_point_m=rally_point(self.scenario)))
+    def agent_config(self, robot: NodeId) -> AgentConfig:
+        """Return the settings of one robot: what the scenario says of all, and of this one.
+
+        It rallies at the mission computer unless the scenario says where.
+        """
+        agent, robots = self.scenario.agent, self.scenario.robots
+        decision, energy = replace(agent.decision, rally_point_m=rally_point(self.scenario)), agent.energy
+        if robots.priorities is not None:
+            decision = replace(decision, weight=replace(decision.weight, priority=robots.priorities[robot]))
+        if robots.energies is not None:
+            energy = replace(energy, initial=robots.energies[robot])
+        return replace(agent, decision=decision, energy=energy)
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""
@@ -85,4 +92,4 @@ class ScenarioActors:
         """Make one robot's agent. It knows the map and roughly its start point, as the operator tells it before."""
         kind = self.scene.robots[robot].type
         start = told_start(self.scenario, self.scene, robot)
-        return Agent(robot, self.agent_config, kind, self.period_s, self.scene.obstacles, start)
+        return Agent(robot, self.agent_config(robot), kind, self.period_s, self.scene.obstacles, start)

@@ -57,9 +57,8 @@ class Actors(Protocol):
         """Settings of the mission computer, as its node declares them."""
         ...
 
-    @property
-    def agent_config(self) -> Config:
-        """Settings of every robot, as its node declares them."""
+    def agent_config(self, robot: NodeId) -> Config:
+        """Return the settings of one robot, as its node declares them."""
         ...
 
     def simulation(self) -> Simulation:

@@ -204,7 +204,7 @@ class AgentHost:
 
 
 def run_agents(
-    link: Link, agents: Mapping[NodeId, AgentActor], period_s: float, config: Config, *, is_lean: bool
+    link: Link, agents: Mapping[NodeId, AgentActor], period_s: float, configs: Mapping[NodeId, Config], *, is_lean: bool
 ) -> None:
     """Be some robots until told to stop.
 
@@ -216,8 +216,8 @@ def run_agents(
         into a process of agents, above all no start pose and no seed.
     period_s : float
         Control period [s].
-    config : Config
-        The robots' settings, as their nodes declare them.
+    configs : mapping of NodeId to Config
+        Their settings, as their nodes declare them.
     is_lean : bool
         Whether the nodes go without parameter services and log topic.
     """
@@ -225,7 +225,7 @@ def run_agents(
     with started() as executor:
         host = AgentHost(link, executor, reporter)
         for robot, agent in agents.items():
-            host.add(robot, agent, period_s, config, LEAN if is_lean else {})
+            host.add(robot, agent, period_s, configs[robot], LEAN if is_lean else {})
 
         def is_over() -> bool:
             host.remove_failed()

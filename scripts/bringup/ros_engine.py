@@ -220,7 +220,8 @@ class RosEngine:
     def _host(self, agents: dict[NodeId, AgentActor]) -> Main:
         """Return what the process of some agents runs; it holds nothing that those robots may not know."""
         actors, is_lean = self._actors, len(self._actors.robots) >= LEAN_FROM
-        return partial(run_agents, agents=agents, period_s=actors.period_s, config=actors.agent_config, is_lean=is_lean)
+        configs = {robot: actors.agent_config(robot) for robot in agents}
+        return partial(run_agents, agents=agents, period_s=actors.period_s, configs=configs, is_lean=is_lean)
 
     def _grouped(self, processes_max: int) -> list[tuple[NodeId, ...]]:
         """Return the robots of each process.

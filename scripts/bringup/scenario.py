@@ -105,9 +105,24 @@ class RobotsSpec(Config):
         0.15, "share of the robots that carry a position sensor, spread over the types (thesis section 4.2)",
         minimum=0.0, maximum=1.0,
     )  # fmt: skip
+    priorities: tuple[float, ...] | None = setting(
+        None,
+        "how much each robot's path counts, one number per robot in the order of the types; null: all the same"
+        " (agent.decision.weight.priority)",
+        minimum=0.01,
+        maximum=100.0,
+    )
+    energies: tuple[float, ...] | None = setting(
+        None,
+        "energy of each robot at the start, one number per robot in the order of the types; null: all the same"
+        " (agent.energy.initial)",
+        unit="full stores",
+        minimum=0.0,
+        maximum=1.0,
+    )
 
     def __post_init__(self) -> None:
-        """Check that there are robots, that types are told once, and that start points fit the robots."""
+        """Check that there are robots, that types are told once, and that lists fit the robots."""
         Config.__post_init__(self)
         for number, times in sorted(Counter(group.type for group in self.types).items()):
             if times > 1:
@@ -119,6 +134,11 @@ class RobotsSpec(Config):
             raise ConfigError(
                 f"start.positions_m has {len(points)} points for {self.count} robots; give one per robot, or remove it"
             )
+        for name, numbers in {"priorities": self.priorities, "energies": self.energies}.items():
+            if numbers is not None and len(numbers) != self.count:
+                raise ConfigError(
+                    f"{name} has {len(numbers)} numbers for {self.count} robots; give one per robot, or remove it"
+                )
 
     @property
     def count(self) -> int:

@@ -13,7 +13,7 @@ from numpy.testing import assert_array_equal
 
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_body, decode_frame, encode_body, encode_frame, pack_batch, unpack_batch
-from swarm_msgs_py.messages.bodies import CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import CostRow, Objective, Plan, Report, RowBundle, RowRequest
 from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
 
 u8, u16, u32 = (st.integers(0, 2**bits - 1) for bits in (8, 16, 32))
@@ -62,7 +62,8 @@ frames = st.one_of(
     st.builds(Packet, u16, u16, u16, u16, u16, u16, u8, st.binary(max_size=30)),
     st.builds(Acknowledgement, u16, u16, st.lists(st.tuples(u16, u16, u16), max_size=5).map(tuple)),
 )
-rows = st.builds(CostRow, u32, u16, u8, u16, st.integers(0, 6).flatmap(lambda n: integers(65535, n)))
+costs = st.integers(0, 6).flatmap(lambda n: integers(65535, n))
+rows = st.builds(CostRow, u32, u16, u8, u16, costs, st.integers(1, 65535), st.sampled_from(Objective))
 plans = st.integers(0, 5).flatmap(
     lambda n: st.builds(
         Plan,

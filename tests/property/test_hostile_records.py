@@ -15,7 +15,7 @@ from mission_computer.mission import Mission
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import encode_frame
-from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
@@ -38,9 +38,9 @@ def points(most: int) -> st.SearchStrategy[np.ndarray]:
     return st.integers(0, most).flatmap(lambda n: arrays(np.float64, (n, 2), elements=coordinates))
 
 
-rows = st.builds(
-    CostRow, epochs, ids, types, versions, st.integers(0, 3).flatmap(lambda n: arrays(np.int64, n, elements=versions))
-)
+costs = st.integers(0, 3).flatmap(lambda n: arrays(np.int64, n, elements=versions))
+weights = st.sampled_from([1, 256, 65535])
+rows = st.builds(CostRow, epochs, ids, types, versions, costs, weights, st.sampled_from(Objective))
 plans = st.integers(0, 3).flatmap(
     lambda n: st.builds(
         Plan,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.rows import EARLY_MAX, RowBook
-from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan
+from swarm_msgs_py.messages.bodies import UNREACHABLE, WEIGHT_ONE, CostRow, Plan
 from swarm_msgs_py.types import NodeId
 
 GOALS = 2
@@ -98,6 +98,21 @@ def test_a_withdrawn_robot_has_answered() -> None:
 
     assert book.answered(1) == 2
     assert book.answered(2) == 0
+
+
+def test_the_book_is_complete_when_as_many_robots_have_answered_as_there_are_goals() -> None:
+    book = make_book(make_row(0, 1))
+    before = book.is_complete([1])
+    book.put(make_row(1, 1, length=0))
+
+    assert [before, book.is_complete([1]), book.is_complete([1, 2])] == [False, True, True]
+    assert not RowBook().is_complete([1])
+
+
+def test_the_weight_of_a_robot_is_what_its_newest_row_says() -> None:
+    book = make_book(make_row(0, 1), replace(make_row(0, 2), weight=700))
+
+    assert [book.weight_of(NodeId(0)), book.weight_of(NodeId(1))] == [700, WEIGHT_ONE]
 
 
 @st.composite

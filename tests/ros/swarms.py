@@ -50,8 +50,7 @@ class SmallSwarm:
     def mission_config(self) -> MissionConfig:
         return MissionConfig()
 
-    @property
-    def agent_config(self) -> AgentConfig:
+    def agent_config(self, robot: NodeId) -> AgentConfig:  # noqa: ARG002 - all alike
         return AgentConfig()
 
     def simulation(self) -> Simulation:
@@ -66,4 +65,4 @@ class SmallSwarm:
         return Mission(self.mission_config, NetworkConfig(), roster, (), SQUARE, PERIOD)
 
     def agent(self, robot: NodeId) -> Agent:
-        return Agent(robot, self.agent_config, SMALL, PERIOD)
+        return Agent(robot, self.agent_config(robot), SMALL, PERIOD)

@@ -18,6 +18,6 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["numpy"],
+    install_requires=["numpy", "scipy", "shapely"],
     zip_safe=False,
 )

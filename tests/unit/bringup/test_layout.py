@@ -15,6 +15,7 @@ from mission_computer.shape.arena import Obstacle
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.types import NodeId
 from swarm_sim.scene import Scene
 
 
@@ -104,8 +105,36 @@ def test_robots_rally_at_the_mission_computer_unless_told_otherwise(swarm: Scena
     moved = replace(swarm, mission=replace(swarm.mission, position_m=(5.0, -3.0)))
     told = replace(moved, agent=replace(swarm.agent, decision=replace(swarm.agent.decision, rally_point_m=(1.0, 2.0))))
 
-    assert ScenarioActors(moved).agent_config.decision.rally_point_m == (5.0, -3.0)
-    assert ScenarioActors(told).agent_config.decision.rally_point_m == (1.0, 2.0)
+    assert ScenarioActors(moved).agent_config(NodeId(0)).decision.rally_point_m == (5.0, -3.0)
+    assert ScenarioActors(told).agent_config(NodeId(0)).decision.rally_point_m == (1.0, 2.0)
+
+
+def test_priorities_and_energies_reach_their_robots_and_nobody_else(swarm: Scenario) -> None:
+    priorities, energies = (1.0,) * 49 + (4.0,), (0.25, *(1.0,) * 49)
+    told = ScenarioActors(replace(swarm, robots=replace(swarm.robots, priorities=priorities, energies=energies)))
+    configs = [told.agent_config(robot) for robot in told.robots]
+
+    assert [config.decision.weight.priority for config in configs] == list(priorities)
+    assert [config.energy.initial for config in configs] == list(energies)
+
+
+def test_a_swarm_told_nothing_of_priorities_and_energies_has_the_settings_of_all(swarm: Scenario) -> None:
+    agent = replace(swarm.agent, energy=replace(swarm.agent.energy, initial=0.5))
+    configs = {ScenarioActors(replace(swarm, agent=agent)).agent_config(NodeId(robot)) for robot in range(50)}
+
+    assert [(config.energy.initial, config.decision.weight.priority) for config in configs] == [(0.5, 1.0)]
+
+
+@pytest.mark.parametrize("name", ["priorities", "energies"])
+def test_a_list_that_does_not_fit_the_robots_is_refused(swarm: Scenario, name: str) -> None:
+    with pytest.raises(ConfigError, match=f"{name} has 2 numbers for 50 robots"):
+        replace(swarm.robots, **{name: (1.0, 1.0)})
+
+
+@pytest.mark.parametrize(("name", "number"), [("priorities", 0.0), ("energies", 1.5)])
+def test_numbers_out_of_range_are_refused(swarm: Scenario, name: str, number: float) -> None:
+    with pytest.raises(ConfigError, match=f"{name} must be"):
+        replace(swarm.robots, **{name: (1.0,) * 49 + (number,)})
 
 
 def test_a_square_without_room_names_the_robot_and_the_remedy(swarm: Scenario) -> None:

@@ -6,7 +6,7 @@ from shapely.ops import nearest_points
 from mission_computer.shape import load_shape
 from swarm_msgs_py.partition.config import Gaps
 from swarm_msgs_py.partition.domain import Domain
-from swarm_msgs_py.partition.initial_placement import place
+from swarm_msgs_py.partition.initial_placement import place, shortage
 from swarm_msgs_py.types import FloatArray
 
 GAPS = Gaps(robot_m=0.3, contour_m=0.15, obstacle_m=0.2)
@@ -50,3 +50,28 @@ def test_circles_that_do_not_fit_are_told() -> None:
 
     assert place(Domain(square, (), np.full(20, 0.5), GAPS)) is None
     assert place(Domain(square, (), np.array([2.0]), GAPS)) is None
+
+
+def test_another_first_circle_makes_another_cluster() -> None:
+    domain = Domain(load_shape("formation_3"), (), np.tile([0.15, 0.3, 0.5], 8), GAPS)
+
+    usual, other = place(domain), place(domain, 5)
+
+    assert usual is not None
+    assert other is not None
+    np.testing.assert_allclose(usual[0], domain.center)
+    np.testing.assert_allclose(other[5], domain.center)
+    apart = np.linalg.norm(other[:, None] - other, axis=2) - domain.least_distances
+    assert apart.min() >= -1e-6
+
+
+def test_the_shortage_is_where_placing_ends() -> None:
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    domain = Domain(square, (), np.array([0.5, 0.5, 1.5, 0.5]), GAPS)
+
+    short = shortage(domain)
+
+    assert short is not None
+    assert (short.circle, short.placed) == (2, 2)
+    assert short.free_area == pytest.approx(16.0 - 2.0 * np.pi * 0.25)
+    assert shortage(domain.scaled(3.0)) is None

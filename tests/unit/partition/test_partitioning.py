@@ -9,19 +9,22 @@ from mission_computer.shape import library_names, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.partition import PartitionConfig, adapt, check_fits, partition
-from swarm_msgs_py.partition.config import Gaps
+from swarm_msgs_py.partition.config import BubbleConfig, Gaps
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 
 ARENA = load_arena("arena_main")
 TABLE_ARENA = load_arena("arena_table")
-NARROW = PartitionConfig(gaps=Gaps(robot_m=0.03, contour_m=0.02, obstacle_m=0.05))
+# The rules hold however well bubbles are packed.
+QUICK = BubbleConfig(starts=1, annealing_iterations=150, healings=0, iterations_max=100)
+BRIEF = PartitionConfig(bubbles=QUICK)
+NARROW = PartitionConfig(gaps=Gaps(robot_m=0.03, contour_m=0.02, obstacle_m=0.05), bubbles=QUICK)
 
 
 @pytest.mark.parametrize("name", library_names())
 def test_every_library_shape_holds_the_swarm_that_it_is_made_for(name: str) -> None:
     is_small = name.startswith("hw_")
-    arena, roster, config = (TABLE_ARENA, TABLE, NARROW) if is_small else (ARENA, FIELD, PartitionConfig())
+    arena, roster, config = (TABLE_ARENA, TABLE, NARROW) if is_small else (ARENA, FIELD, BRIEF)
     contour = load_shape(name)
 
     goals = partition(contour, roster, tuple(wall.polygon() for wall in arena.obstacles), config)
@@ -84,7 +87,7 @@ def test_where_turns_leave_no_room_large_robots_go_first() -> None:
         tightest = square
 
     assert tightest is not None
-    assert partition(tightest, roster).types.tolist() == [3] * 4 + [1] * 6
+    assert partition(tightest, roster, config=BRIEF).types.tolist() == [3] * 4 + [1] * 6
 
 
 def test_a_shape_over_an_obstacle_names_it() -> None:
@@ -98,7 +101,7 @@ def test_goals_keep_clear_of_an_obstacle_that_touches_the_shape() -> None:
     contour = load_shape("formation_3")
     right = contour[np.argmax(contour[:, 0])]
     wall = right + np.array([[0.01, -4.0], [1.0, -4.0], [1.0, 4.0], [0.01, 4.0]])
-    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
+    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5), bubbles=QUICK)
 
     goals = partition(contour, FIELD, (wall,), config)
 
@@ -111,7 +114,7 @@ def test_obstacles_that_leave_no_room_are_to_blame() -> None:
     square = np.array([[0.0, 0.0], [3.4, 0.0], [3.4, 3.4], [0.0, 3.4]])
     wall = np.array([[3.41, 0.0], [4.0, 0.0], [4.0, 3.4], [3.41, 3.4]])
     roster = Roster.of([THESIS_TYPES[2]] * 4)
-    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5))
+    config = PartitionConfig(gaps=Gaps(obstacle_m=1.5), bubbles=QUICK)
 
     check_fits(square, roster, (), config)
     with pytest.raises(ShapeError, match="obstacles in or beside the shape leave too little room"):
@@ -133,7 +136,7 @@ def test_a_keep_out_in_the_shape_is_no_error_but_goals_stay_clear_of_it() -> Non
 def test_adapted_goals_move_only_where_they_must() -> None:
     square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
     roster = Roster.of([THESIS_TYPES[1]] * 9)
-    goals = partition(square, roster)
+    goals = partition(square, roster, config=BRIEF)
     x, y = goals.positions[4]
     body = np.array([[x, y], [x + 0.3, y], [x + 0.3, y + 0.3]])
 
@@ -148,7 +151,7 @@ def test_adapted_goals_move_only_where_they_must() -> None:
 
 def test_goals_of_a_slightly_smaller_shape_follow_it() -> None:
     contour = load_shape("formation_3", scale=1.1)
-    goals = partition(contour, FIELD)
+    goals = partition(contour, FIELD, config=BRIEF)
     center = contour.mean(axis=0)
     shrunk = center + 0.99 * (contour - center)
 
@@ -162,7 +165,7 @@ def test_goals_of_a_slightly_smaller_shape_follow_it() -> None:
 def test_goals_for_which_there_is_no_room_are_not_adapted() -> None:
     square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
     roster = Roster.of([THESIS_TYPES[1]] * 9)
-    goals = partition(square, roster)
+    goals = partition(square, roster, config=BRIEF)
 
     assert adapt(goals, square / 4.0, roster) is None
     assert adapt(goals, square / 20.0, roster) is None

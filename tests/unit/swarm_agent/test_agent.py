@@ -11,15 +11,17 @@ from numpy.testing import assert_allclose
 
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
+from swarm_agent.energy import EnergyConfig
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.frames import decode_frame
-from swarm_msgs_py.messages.bodies import CostRow, Plan, Report
+from swarm_msgs_py.messages.bodies import WEIGHT_ONE, CostRow, Plan, Report
 from swarm_msgs_py.messages.control import STOP
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.step_io import AgentOutputs
 from swarm_msgs_py.types import MISSION, NodeId
 
@@ -41,7 +43,10 @@ class Driver:
         self._inbox: tuple[bytes, ...] = ()
         self._to_mission: tuple[bytes, ...] = ()
         if plan is not None:
-            self._mission.flood(encode_body(plan))
+            self.order(plan)
+
+    def order(self, plan: Plan) -> None:
+        self._mission.flood(encode_body(plan))
 
     def step(self, **changes: object) -> AgentOutputs:
         cos, sin = np.cos(self.yaw), np.sin(self.yaw)
@@ -77,6 +82,17 @@ class Driver:
 def hello_of(outputs: AgentOutputs) -> Hello:
     (hello,) = [frame for frame in map(decode_frame, outputs.outbox) if isinstance(frame, Hello)]
     return hello
+
+
+def rows_in(driver: Driver, ticks: int) -> list[CostRow]:
+    """Return the cost rows that the robot sends of its own in the next ticks."""
+    packets = [
+        decode_body(frame.body)
+        for _ in range(ticks)
+        for frame in map(decode_frame, driver.step().outbox)
+        if isinstance(frame, Packet) and frame.origin == 1
+    ]
+    return [body for body in packets if isinstance(body, CostRow)]
 
 
 def test_equal_inputs_give_equal_outputs() -> None:
@@ -143,15 +159,22 @@ def test_never_exceeds_the_speed_limit() -> None:
 def test_floods_one_cost_row_per_plan() -> None:
     driver = Driver(make_agent(), make_plan(GOAL))
 
-    packets = [
-        decode_body(frame.body)
-        for _ in range(10)
-        for frame in map(decode_frame, driver.step().outbox)
-        if isinstance(frame, Packet) and frame.origin == 1
-    ]
+    (row,) = rows_in(driver, 10)
 
-    (row,) = [body for body in packets if isinstance(body, CostRow)]
     assert row.costs.tolist() == [300]
+
+
+def test_the_energy_that_driving_took_counts_in_the_row_of_the_next_plan() -> None:
+    config = AgentConfig(energy=EnergyConfig(initial=0.9, per_meter=0.1))
+    driver = Driver(Agent(NodeId(1), config, THESIS_TYPES[0], PERIOD), make_plan(GOAL))
+    driver.run(20.0)
+    driven = float(driver.position[0])
+    driver.order(make_plan(2 * GOAL, epoch=2))
+
+    rows = [row for row in rows_in(driver, 10) if row.epoch == 2]
+
+    assert driven > 2.9
+    assert rows[0].weight == pytest.approx(WEIGHT_ONE * (1.0 + 0.1 + 0.1 * driven), abs=3)
 
 
 def test_acknowledges_the_plan_to_the_mission_computer() -> None:

@@ -13,6 +13,7 @@ from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
+from swarm_agent.energy import EnergyConfig, EnergyStore
 from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow
 from swarm_msgs_py.messages.report import Mode
@@ -42,6 +43,7 @@ class Mind:
             planning=PlanningConfig(),
             mesh=mesh,
             consensus=self.consensus,
+            energy=EnergyStore(EnergyConfig(), PERIOD),
             obstacles=(),
             period_s=PERIOD,
         )
@@ -269,7 +271,7 @@ def test_the_goal_of_who_withdraws_stays_reserved() -> None:
     taken = assign(mind.consensus.book.of_type(1))
 
     assert taken == {1: 1, 2: 0}
-    assert_array_equal(mind.own_costs, [UNREACHABLE, 0])
+    assert_array_equal(mind.own_costs, [UNREACHABLE, 300])
 
 
 def test_who_comes_back_has_its_goal_again_and_nobody_hears_of_it() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,17 @@ from numpy.testing import assert_allclose, assert_array_equal
 from swarm_msgs_py.body_codec import BODY_MAX, row_size
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_body, decode_frame, encode_body, encode_frame
-from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import (
+    UNREACHABLE,
+    WEIGHT_MAX,
+    WEIGHT_ONE,
+    CostRow,
+    Objective,
+    Plan,
+    Report,
+    RowBundle,
+    RowRequest,
+)
 from swarm_msgs_py.messages.radio import Packet
 from swarm_msgs_py.types import NodeId
 
@@ -18,6 +29,11 @@ TRIANGLE = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
 
 def make_row(robot: int = 3, version: int = 2, costs: tuple[int, ...] = (120, UNREACHABLE)) -> CostRow:
     return CostRow(5, NodeId(robot), 2, version, np.array(costs, dtype=np.int64))
+
+
+def row_with(objective: int = 0, weight: int = WEIGHT_ONE) -> bytes:
+    """Return a row of robot 3 without costs, as no sender would make it."""
+    return struct.pack("<BIHBHBHH", encode_body(make_row())[0], 5, 3, 2, 2, objective, weight, 0)
 
 
 def make_plan() -> Plan:
@@ -51,6 +67,24 @@ def test_cost_row_survives_the_air() -> None:
     assert isinstance(decoded, CostRow)
     assert (decoded.epoch, decoded.robot, decoded.robot_type, decoded.version) == (5, 3, 2, 2)
     assert_array_equal(decoded.costs, [120, UNREACHABLE])
+
+
+@pytest.mark.parametrize("objective", list(Objective))
+@pytest.mark.parametrize("weight", [1, WEIGHT_ONE, WEIGHT_MAX])
+def test_weight_and_objective_of_a_row_survive_the_air(weight: int, objective: Objective) -> None:
+    row = replace(make_row(), weight=weight, objective=objective)
+
+    alone, bundled = decode_body(encode_body(row)), decode_body(encode_body(RowBundle((make_row(), row))))
+
+    assert isinstance(alone, CostRow)
+    assert (alone.weight, alone.objective) == (weight, objective)
+    assert isinstance(bundled, RowBundle)
+    assert (bundled.rows[1].weight, bundled.rows[1].objective) == (weight, objective)
+    assert (bundled.rows[0].weight, bundled.rows[0].objective) == (WEIGHT_ONE, Objective.TOTAL)
+
+
+def test_a_row_is_15_bytes_and_2_for_each_goal() -> None:
+    assert len(encode_body(make_row(costs=(1, 2, 3)))) == 15 + 3 * 2
 
 
 def test_withdrawn_row_is_empty() -> None:
@@ -98,13 +132,26 @@ def test_receivers_share_one_read_only_record() -> None:
         make_row(costs=(-1,)),
         make_row(costs=(65536,)),
         make_row(version=65536),
+        replace(make_row(), weight=0),
+        replace(make_row(), weight=WEIGHT_MAX + 1),
         Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0),
         Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0),
         Plan(1, np.full((3, 2), np.inf), (), TRIANGLE, np.array([1, 1, 1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
     ],
-    ids=["negative cost", "cost", "version", "nan", "goal", "infinite contour", "types missing", "type"],
+    ids=[
+        "negative cost",
+        "cost",
+        "version",
+        "no weight",
+        "weight",
+        "nan",
+        "goal",
+        "infinite contour",
+        "types missing",
+        "type",
+    ],
 )
 def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
     with pytest.raises(FrameError):
@@ -118,9 +165,11 @@ def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
         (b"\x63", "unknown kind"),
         (encode_body(make_row()) + b"\x00", "1 bytes too many"),
         (encode_body(make_row())[:-1], "ends early"),
+        (row_with(objective=len(Objective)), "unknown objective: 2"),
+        (row_with(weight=0), "weight 0"),
         (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))[:-5] + b"\x00\x00\xc0\x7f\x00", "finite"),
     ],
-    ids=["empty", "kind", "long", "short", "nan"],
+    ids=["empty", "kind", "long", "short", "objective", "weight", "nan"],
 )
 def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):

@@ -16,6 +16,7 @@ from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.homing import home_destination, home_point
 from swarm_agent.decision.strategy import Decision, Strategy
+from swarm_agent.energy import EnergyStore
 from swarm_agent.localization.hypotheses import widest
 from swarm_agent.localization.localizer import Estimate, Localizer
 from swarm_agent.localization.positioning import PositioningMonitor, Signs
@@ -73,6 +74,7 @@ class Agent:
         self._monitor = PositioningMonitor(config.lps, period_s)
         self._mesh = MeshNetwork(robot, config.network, period_s)
         self._consensus = Consensus(robot, robot_type.type, config.decision, period_s)
+        self._energy = EnergyStore(config.energy, period_s)
         self._strategy: Strategy = GoalSeeking(
             robot,
             robot_type,
@@ -80,6 +82,7 @@ class Agent:
             planning=config.planning,
             mesh=self._mesh,
             consensus=self._consensus,
+            energy=self._energy,
             obstacles=obstacles,
             period_s=period_s,
         )
@@ -118,6 +121,7 @@ class Agent:
             decision = self._decide(tick, estimate, positioning)
             command = self._control(estimate, decision, around, to_world)
         self._told = np.array([command.forward, command.left])
+        self._energy.spend(command)
         mode = self._mode(decision)
         self._report(tick, estimate, decision, mode)
         outbox = mesh.transmit(tick, self._presence(tick, estimate, mode))
@@ -136,7 +140,8 @@ class Agent:
     def _decide(self, tick: int, estimate: Estimate, positioning: Positioning) -> Decision:
         """Return where to go: where the swarm's decision says, or home if the robot has been lost for too long."""
         is_lost = positioning is Positioning.RETURN_HOME
-        decision = self._strategy.step(tick, estimate.position, takes_part=not is_lost)
+        is_blocked = self._avoidance.is_blocked
+        decision = self._strategy.step(tick, estimate.position, takes_part=not is_lost, is_blocked=is_blocked)
         plan = self._consensus.plan
         if not is_lost or plan is None:
             return decision  # without a plan there is no shape to return to: the strategy goes and finds one

@@ -19,19 +19,20 @@ import numpy as np
 
 from swarm_msgs_py.binary import COORDINATE_MAX, Reader, checked, frozen, packed, packed_integers, packed_points
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.bodies import Body, CostRow, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 _KIND = struct.Struct("<B")
 _COUNT = struct.Struct("<H")
 _PLAN = struct.Struct("<IHHHBii")  # epoch; points of the contour, obstacles, goals; log2 of the step [cm]; origin
-_ROW = struct.Struct("<IHBHH")  # epoch, robot, type, version; costs
+_ROW = struct.Struct("<IHBHBHH")  # epoch, robot, type, version, objective, weight; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
 _COST_SIZE = 2
 _REPORT = struct.Struct("<HBIhffB")  # robot, type, epoch, goal, x, y, mode
 _CM_PER_M = 100.0
 _OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
 _DOUBLINGS_MAX = 16
+_OBJECTIVES = tuple(Objective)  # an objective travels as its number in this order
 
 BODY_MAX = 65_500
 """Bytes of the longest body: what a frame, whose length travels as 16 bits, can carry."""
@@ -149,14 +150,21 @@ def _decode_plan(reader: Reader) -> Plan:
 
 
 def _encode_row(row: CostRow) -> bytes:
-    head = packed(_ROW, row.epoch, row.robot, row.robot_type, row.version, len(row.costs))
+    if row.weight < 1:
+        raise FrameError(f"a row of weight {row.weight}")
+    objective = _OBJECTIVES.index(row.objective)
+    head = packed(_ROW, row.epoch, row.robot, row.robot_type, row.version, objective, row.weight, len(row.costs))
     return head + packed_integers(row.costs, "<u2")
 
 
 def _decode_row(reader: Reader) -> CostRow:
-    epoch, robot, robot_type, version, count = reader.fields(_ROW)
+    epoch, robot, robot_type, version, objective, weight, count = reader.fields(_ROW)
+    if objective >= len(_OBJECTIVES):
+        raise FrameError(f"unknown objective: {objective}")
+    if weight < 1:  # would make all goals equally dear for a robot
+        raise FrameError("a row of weight 0")
     costs = frozen(reader.array("<u2", count).astype(np.int64))
-    return CostRow(epoch, NodeId(robot), robot_type, version, costs)
+    return CostRow(epoch, NodeId(robot), robot_type, version, costs, weight, _OBJECTIVES[objective])
 
 
 def _decode_request(reader: Reader) -> RowRequest:

@@ -4,12 +4,59 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.config import Config, section, setting
+from swarm_msgs_py.messages.bodies import Objective
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WeightConfig(Config):
+    """How much a meter of this robot's path counts: ``priority * (1 + energy_gain * (1 - energy))``, from 1/256 to 256.
+
+    The swarm minimizes weighted paths, so a robot of twice the weight goes half as far out of its way for others.
+    """
+
+    priority: float = setting(
+        1.0, "weight of the robot at full charge; in a scenario robots.priorities", minimum=0.01, maximum=100.0
+    )
+    energy_gain: float = setting(
+        1.0, "by which share more a robot counts that has no energy left: who is low on energy shall drive less",
+        minimum=0.0, maximum=100.0,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SwapConfig(Config):
+    """Exchange of goals between two robots of one type of which the one stands in the other's way."""
+
+    after_s: float | None = setting(
+        4.0,
+        "a robot that has called itself blocked for this long offers an exchange; after each attempt within a plan it"
+        " waits twice as long; null: never",
+        unit="s",
+        above=0.0,
+    )
+    distance_m: float = setting(1.6, "farthest that the robot in the way is", unit="m", above=0.0)
+    detour_max_m: float = setting(
+        0.5, "a robot is in the way to where a path through its place is longer by no more than this", unit="m",
+        minimum=0.0,
+    )  # fmt: skip
+    worth_m: float = setting(
+        2.0, "by how much both paths together may become longer; twice as much in each further attempt",
+        unit="m", above=0.0,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DecisionConfig(Config):
-    """Timing of the decentralized decision."""
+    """The decentralized decision: what it is for, and its timing."""
+
+    objective: Objective = setting(
+        Objective.TOTAL,
+        "what the assignment of goals minimizes: total, the sum of all paths (thesis); or bottleneck, the longest path"
+        " of any robot and with that the sum; where robots differ, the majority decides",
+    )
+    weight: WeightConfig = section(WeightConfig, "how much this robot's path counts")
+    swap: SwapConfig = section(SwapConfig, "exchange of goals with a robot that stands in the way")
 
     patience_s: float = setting(
         8.0, "how long a robot stands still for the cost rows of its type to be complete", unit="s", minimum=0.0

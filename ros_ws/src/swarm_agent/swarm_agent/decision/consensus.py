@@ -16,7 +16,7 @@ from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.rows import RowBook
 from swarm_msgs_py.body_codec import decode_body, encode_body, row_size
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.bodies import CostRow, Plan, RowBundle, RowRequest, is_newer_epoch
+from swarm_msgs_py.messages.bodies import WEIGHT_ONE, CostRow, Plan, RowBundle, RowRequest, is_newer_epoch
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
@@ -51,6 +51,7 @@ class Consensus:
     def __init__(self, robot: NodeId, robot_type: int, config: DecisionConfig, period_s: float) -> None:
         self._robot = robot
         self._robot_type = robot_type
+        self._objective = config.objective
         self._repair_after = max(1, round(config.repair_after_s / period_s))
         self._repair_period = max(1, round(config.repair_period_s / period_s))
         self._plan_wait = round(config.plan_wait_s / period_s)
@@ -92,10 +93,10 @@ class Consensus:
                 self._answer(tick, delivery.origin, body, mesh)
         self._hand_on(tick, asking, mesh)
 
-    def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork) -> None:
-        """Publish this robot's own costs [cm] for the plan in force."""
+    def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork, weight: int = WEIGHT_ONE) -> None:
+        """Publish this robot's own costs [cm] for the plan in force, and their weight."""
         version = self.book.version_of(self._robot) + 1
-        row = CostRow(self.book.epoch, self._robot, self._robot_type, version, costs)
+        row = CostRow(self.book.epoch, self._robot, self._robot_type, version, costs, weight, self._objective)
         self._note(tick, changed=self.book.put(row))
         mesh.flood(encode_body(row))
 

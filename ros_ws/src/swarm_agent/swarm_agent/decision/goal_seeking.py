@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from swarm_agent.decision.assignment import assign
+from swarm_agent.decision.assignment import agreed_objective, assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.offering import RowOffers
+from swarm_agent.decision.path_costs import PathCosts
 from swarm_agent.decision.strategy import Decision
+from swarm_agent.decision.swapping import SwapOffers
+from swarm_agent.energy import EnergyStore
 from swarm_agent.planning.config import PlanningConfig
-from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.bodies import Objective, Plan
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.robots import RobotType
@@ -30,6 +33,8 @@ class GoalSeeking:
         The robot's radio network, which carries the rows.
     consensus : Consensus
         The robot's copy of plan and rows.
+    energy : EnergyStore
+        What the robot has left; it counts in the weight of its costs.
     obstacles : tuple of (m, 2) array
         Map known from the start, until a plan brings another [m].
     period_s : float
@@ -45,6 +50,7 @@ class GoalSeeking:
         planning: PlanningConfig,
         mesh: MeshNetwork,
         consensus: Consensus,
+        energy: EnergyStore,
         obstacles: tuple[FloatArray, ...],
         period_s: float,
     ) -> None:
@@ -53,15 +59,11 @@ class GoalSeeking:
         self._mesh = mesh
         self._consensus = consensus
         self._first_map = obstacles
+        paths = PathCosts(robot_type, planning)
         self._offers = RowOffers(
-            robot,
-            robot_type,
-            config=config,
-            planning=planning,
-            mesh=mesh,
-            consensus=consensus,
-            period_s=period_s,
+            robot, config=config, paths=paths, energy=energy, mesh=mesh, consensus=consensus, period_s=period_s
         )
+        self._swaps = SwapOffers(robot, config.swap, paths, mesh, consensus, period_s)
         self._patience = round(config.patience_s / period_s)
         self._settle = round(config.settle_s / period_s)
         self._rally_after = round(config.rally_after_s / period_s)
@@ -71,12 +73,13 @@ class GoalSeeking:
         # Epoch, digest and whether patience is over: what the goal follows from.
         self._decided_on: tuple[int, int, bool] | None = None
         self._goal = -1
+        self._taken: dict[NodeId, int] = {}  # what the rows say of everybody
         self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
         self._in_touch_at = 0  # last tick in which the robot had a goal, or a way to hear of one
         self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one
 
-    def step(self, tick: int, position: FloatArray, takes_part: bool = True) -> Decision:
+    def step(self, tick: int, position: FloatArray, takes_part: bool = True, is_blocked: bool = False) -> Decision:
         """Return where to go; sends the own cost row when the plan or the membership makes it necessary.
 
         Parameters
@@ -87,6 +90,8 @@ class GoalSeeking:
         takes_part : bool
             False while the robot has something else to do: it withdraws and has no goal to drive to. The goal that it
             had stays reserved, and is its own again when it is back. Without a plan it looks for one all the same.
+        is_blocked : bool
+            Whether the robot is hardly getting on; if another one is in its way for long, it offers to exchange goals.
         """
         plan = self._consensus.plan
         if plan is None:
@@ -95,8 +100,12 @@ class GoalSeeking:
             return Decision(-1, target, Mode.SEARCHING if searching else Mode.WAITING, self._first_map)
         if plan.epoch != self._epoch:
             self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
-            self._is_undecided = True
+            self._is_undecided, self._taken = True, {}
         self._offers.step(tick, plan, position, self._goal, takes_part=takes_part)
+        if takes_part and self._proposed == self._goal:
+            surcharge = self._swaps.step(plan, position, self._taken, is_blocked=is_blocked)
+            if surcharge is not None:
+                self._offers.offer_swap(tick, plan, position, self._goal, surcharge)
         self._decide(tick, plan)
         if not takes_part:
             return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
@@ -136,11 +145,17 @@ class GoalSeeking:
         if basis == self._decided_on:
             return
         self._decided_on = basis
-        goals = np.flatnonzero(plan.goal_types == self._type.type)
-        if book.answered(self._type.type) < len(goals) and not patience_over and self._is_undecided:
+        if not (patience_over or not self._is_undecided or self._is_complete(plan)):
             return
-        taken = assign(book.of_type(self._type.type)).get(self._robot)
-        goal = -1 if taken is None else int(goals[taken])
+        self._taken = assign(book.offers)
+        taken = self._taken.get(self._robot)
+        goal = -1 if taken is None else int(np.flatnonzero(plan.goal_types == self._type.type)[taken])
         if self._is_undecided or goal != self._proposed:
             self._proposed, self._proposed_at = goal, tick
         self._is_undecided = False
+
+    def _is_complete(self, plan: Plan) -> bool:
+        """Return whether all rows are there that bear on the own goal: the longest path may be one of another type."""
+        book = self._consensus.book
+        is_shared = agreed_objective(book.offers) is Objective.BOTTLENECK
+        return book.is_complete(sorted(set(plan.goal_types.tolist())) if is_shared else [self._type.type])

@@ -4,9 +4,16 @@ A robot offers its costs once per plan, and anew when a robot of its type joins 
 who follows a shortest path to its goal makes that goal cheaper by every meter driven, and no other goal by more. So an
 assignment that was best stays best in any mixture of old and fresh rows, and late rows flip nobody's goal.
 
-A robot that takes no part offers no costs. Its row keeps the goal that it had: that one costs nothing, the others
+A robot that takes no part offers no costs. Its row keeps the goal that it had: that one costs what it did, the others
 cannot be reached. What is best for the rest of the robots and goals is then what it was before, so nobody else changes.
 Who has no goal to keep, or keeps one that another robot could use, offers an empty row.
+
+For the longest path (`Objective.BOTTLENECK`) remaining paths would not do: in a mixture of rows the longest one depends
+on who has spoken last. There a fresh row tells whole paths, what the robot has driven towards its goal included. The
+own goal then costs what it cost before, and no other goal less; so again, no mixture of rows moves anybody.
+
+Path lengths count by the robot's weight, which it decides once per plan: else what has been said of the own goal would
+not hold.
 """
 
 from __future__ import annotations
@@ -15,16 +22,13 @@ from enum import Enum, auto
 
 import numpy as np
 
-from swarm_agent.decision.config import DecisionConfig
+from swarm_agent.decision.config import DecisionConfig, WeightConfig
 from swarm_agent.decision.consensus import Consensus
-from swarm_agent.planning.config import PlanningConfig
-from swarm_agent.planning.path_planner import planner_for
-from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
+from swarm_agent.decision.path_costs import CM_PER_M, PathCosts, dearer
+from swarm_agent.energy import EnergyStore
+from swarm_msgs_py.messages.bodies import UNREACHABLE, WEIGHT_MAX, WEIGHT_ONE, Objective, Plan
 from swarm_msgs_py.networking.mesh import MeshNetwork
-from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
-
-_CM_PER_M = 100.0
 
 
 class Row(Enum):
@@ -40,10 +44,13 @@ class RowOffers:
 
     Parameters
     ----------
-    robot, robot_type
-        Who offers, and its type.
-    config, planning
-        Settings of the decision and of the path costs.
+    robot : NodeId
+        Who offers.
+    config : DecisionConfig
+    paths : PathCosts
+        Of its type.
+    energy : EnergyStore
+        What the robot has left.
     mesh : MeshNetwork
         The robot's radio network, which carries the rows.
     consensus : Consensus
@@ -55,23 +62,26 @@ class RowOffers:
     def __init__(  # noqa: PLR0913 - collaborators, each named at the one place of construction
         self,
         robot: NodeId,
-        robot_type: RobotType,
         *,
         config: DecisionConfig,
-        planning: PlanningConfig,
+        paths: PathCosts,
+        energy: EnergyStore,
         mesh: MeshNetwork,
         consensus: Consensus,
         period_s: float,
     ) -> None:
         self._robot = robot
-        self._type = robot_type
         self._config = config
-        self._planning = planning
+        self._paths = paths
+        self._energy = energy
         self._mesh = mesh
         self._consensus = consensus
         self._pause = max(1, round(config.refresh_pause_s / period_s))
         self._spread = max(1, round(config.refresh_spread_s / period_s))
         self._epoch = 0
+        self._weight = WEIGHT_ONE  # for this plan
+        self._lengths: IntArray | None = None  # of the paths [cm], as the last row was made from them
+        self._driven = 0  # of the path to the goal, under this plan [cm]
         self._kind: Row | None = None
         self._version = 0  # of the row offered last
         self._offered_at = 0  # tick
@@ -79,6 +89,7 @@ class RowOffers:
         self._members: frozenset[NodeId] = frozenset()
         self._members_at: int | None = None  # digest of the rows that the members were read from
         self._is_stale = False  # others have joined, and the last row is from elsewhere
+        self._is_surcharged = False  # the last row says more than path lengths
 
     def step(self, tick: int, plan: Plan, position: FloatArray, goal: int, *, takes_part: bool) -> None:
         """Offer a row if one is due.
@@ -96,30 +107,37 @@ class RowOffers:
             Whether the robot is there for a goal.
         """
         if plan.epoch != self._epoch:
+            self._weight = weight_of(self._config.weight, self._energy.left)
+            self._lengths, self._driven = None, 0
             self._epoch, self._kind, self._version = plan.epoch, None, 0
             self._members, self._members_at, self._is_stale = frozenset(), None, False
         self._watch_members(position)
         kind = self._due(tick, plan, goal, takes_part=takes_part)
         if kind is not None:
-            self._offer(tick, plan, position, goal, kind)
+            self._offer(tick, position, self._row(plan, position, goal, kind), kind)
+
+    def offer_swap(self, tick: int, plan: Plan, position: FloatArray, goal: int, surcharge: IntArray) -> None:
+        """Offer costs that are higher by a surcharge for each goal of the type, (m,) [cm]; none keeps the own goal."""
+        self._offer(tick, position, self._row(plan, position, goal, Row.COSTS, surcharge), Row.COSTS)
+        self._is_surcharged = True
 
     def _watch_members(self, position: FloatArray) -> None:
         """Note robots that join: costs from another place than the present one would misjudge what to give them."""
         book = self._consensus.book
         if book.digest == self._members_at:
             return
-        members = frozenset(row.robot for row in book.of_type(self._type.type))
+        members = frozenset(row.robot for row in book.of_type(self._paths.robot_type))
         joined = members - self._members - {self._robot}
         self._members, self._members_at = members, book.digest
         if joined and self._offered_from is not None and self._kind is not None:
             moved = float(np.hypot(*(position - self._offered_from)))
-            self._is_stale = self._is_stale or moved >= self._config.refresh_distance_m
+            self._is_stale = self._is_stale or self._is_surcharged or moved >= self._config.refresh_distance_m
 
     def _due(self, tick: int, plan: Plan, goal: int, *, takes_part: bool) -> Row | None:
         """Return the kind of row to offer now, None if the last one is good."""
         book = self._consensus.book
         if not takes_part:
-            is_needed = book.answered(self._type.type) > int((plan.goal_types == self._type.type).sum())
+            is_needed = book.answered(self._paths.robot_type) > len(self._paths.goals(plan))
             wanted = Row.RESERVATION if goal >= 0 and not is_needed else Row.EMPTY
             # Once given up, a goal is not taken back: it may be on its way to another robot.
             is_good = self._kind in {wanted, Row.EMPTY}
@@ -133,34 +151,39 @@ class RowOffers:
         """Return whether the own row in the book is the last one offered, not one of an earlier life of this robot."""
         return self._consensus.book.version_of(self._robot) == self._version
 
-    def _offer(self, tick: int, plan: Plan, position: FloatArray, goal: int, kind: Row) -> None:
-        self._consensus.offer(tick, self._row(plan, position, goal, kind), self._mesh)
+    def _offer(self, tick: int, position: FloatArray, row: IntArray, kind: Row) -> None:
+        self._consensus.offer(tick, row, self._mesh, self._weight)
         self._kind, self._version = kind, self._consensus.book.version_of(self._robot)
         self._offered_at, self._offered_from = tick, position.copy()
-        self._is_stale = False
+        self._is_stale = self._is_surcharged = False
 
-    def _row(self, plan: Plan, position: FloatArray, goal: int, kind: Row) -> IntArray:
+    def _row(
+        self, plan: Plan, position: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None
+    ) -> IntArray:
         """Return the costs of the goals of the own type [cm], (m,); (0,) for an empty row."""
         if kind is Row.EMPTY:
             return np.empty(0, dtype=np.int64)
-        goals = np.flatnonzero(plan.goal_types == self._type.type)
+        is_own = self._paths.goals(plan) == goal
         if kind is Row.RESERVATION:
-            return np.where(goals == goal, 0, UNREACHABLE)
-        costs = self._costs(plan, position)
-        kept = (goals == goal) & (costs != UNREACHABLE)
-        costs[kept] = np.maximum(costs[kept] - round(self._config.keep_goal_m * _CM_PER_M), 0)
-        return costs
+            return np.where(is_own, 0 if self._lengths is None else self._lengths, UNREACHABLE)
+        lengths = self._paths.of(plan, position)
+        keep, discount = round(self._config.keep_goal_m * CM_PER_M), 0
+        if self._config.objective is Objective.BOTTLENECK:
+            lengths = self._whole(lengths, is_own)
+            discount = keep if is_own.any() else 0  # the own goal must not become cheaper: the longest path may be it
+        self._lengths = lengths
+        return dearer(lengths, discount - keep * is_own if surcharge is None else surcharge)
 
-    def _costs(self, plan: Plan, position: FloatArray) -> IntArray:
-        """Return the path length to each goal of the own type [cm].
+    def _whole(self, lengths: IntArray, is_own: IntArray) -> IntArray:
+        """Return the lengths of whole paths [cm]: what has been driven towards the own goal, and what is left."""
+        if self._lengths is not None and is_own.any():
+            before, now = int(self._lengths[is_own][0]), int(lengths[is_own][0])
+            if UNREACHABLE not in {before, now}:
+                self._driven = max(self._driven, before - now)
+        return dearer(lengths, self._driven)
 
-        An estimate that is far off may lie in a wall or outside the arena, from where no path leads anywhere. The robot
-        is somewhere else for certain; then beelines are the best guess.
-        """
-        planner = planner_for(plan.obstacles, self._type.coverage_radius_m, self._planning)
-        goals = plan.goals[plan.goal_types == self._type.type]
-        meters = planner.costs(position, goals)
-        if not np.isfinite(meters).any():
-            meters = np.linalg.norm(goals - position, axis=1)
-        centimeters = np.minimum(np.rint(meters * _CM_PER_M), UNREACHABLE - 1)
-        return np.where(np.isfinite(meters), centimeters, UNREACHABLE).astype(np.int64)
+
+def weight_of(config: WeightConfig, energy: float) -> int:
+    """Return how much a meter counts of a robot with this share of its energy left, in 1 / `WEIGHT_ONE`."""
+    weight = config.priority * (1.0 + config.energy_gain * (1.0 - energy))
+    return min(max(round(weight * WEIGHT_ONE), 1), WEIGHT_MAX)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterable
 
-from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, CostRow, Plan, is_newer_epoch
+from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, WEIGHT_ONE, CostRow, Plan, is_newer_epoch
 from swarm_msgs_py.types import NodeId
 
 EARLY_MAX = 1000
@@ -66,19 +66,35 @@ class RowBook:
         theirs = dict(held)
         return tuple(self._rows[r] for r in sorted(self._rows) if self._rows[r].version > theirs.get(r, 0))
 
+    @property
+    def offers(self) -> tuple[CostRow, ...]:
+        """All rows, ascending by robot; withdrawn (empty) ones are left out."""
+        return tuple(row for _, row in sorted(self._rows.items()) if len(row.costs))
+
     def of_type(self, robot_type: int) -> tuple[CostRow, ...]:
         """Return the rows of one type of robot, ascending by robot; withdrawn (empty) rows are left out."""
-        rows = (self._rows[robot] for robot in sorted(self._rows))
-        return tuple(row for row in rows if row.robot_type == robot_type and len(row.costs))
+        return tuple(row for row in self.offers if row.robot_type == robot_type)
 
     def answered(self, robot_type: int) -> int:
         """Return how many robots of one type have sent a row, withdrawn ones included."""
         return sum(row.robot_type == robot_type for row in self._rows.values())
 
+    def is_complete(self, robot_types: Iterable[int]) -> bool:
+        """Return whether as many robots of each of these types have sent a row as the plan has goals for them."""
+        if self.plan is None:
+            return False
+        kinds = self.plan.goal_types
+        return all(self.answered(kind) >= int((kinds == kind).sum()) for kind in robot_types)
+
     def version_of(self, robot: NodeId) -> int:
         """Return the version of a robot's row, 0 for none."""
         row = self._rows.get(robot)
         return row.version if row else 0
+
+    def weight_of(self, robot: NodeId) -> int:
+        """Return what a robot's row says of its weight, that of an ordinary robot if it has sent none."""
+        row = self._rows.get(robot)
+        return row.weight if row else WEIGHT_ONE
 
     def __len__(self) -> int:
         return len(self._rows)

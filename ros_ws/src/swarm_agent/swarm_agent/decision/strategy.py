@@ -34,7 +34,7 @@ class Decision:
 class Strategy(Protocol):
     """Decides where the robot should be, once per tick."""
 
-    def step(self, tick: int, position: FloatArray, takes_part: bool = True) -> Decision:
+    def step(self, tick: int, position: FloatArray, takes_part: bool = True, is_blocked: bool = False) -> Decision:
         """Return the decision for this tick.
 
         Parameters
@@ -44,5 +44,7 @@ class Strategy(Protocol):
             The robot's own estimate [m].
         takes_part : bool
             Whether the robot is there for a goal; if not, it withdraws until it is again.
+        is_blocked : bool
+            Whether the robot is hardly getting on, for what is in its way.
         """
         ...

@@ -1,43 +1,147 @@
-"""The repulsion of a contour, integrated in closed form over its edges."""
+"""What a closed contour is to a point: inside or not, how far, and the thesis' line integrals in closed form.
+
+The thesis resamples contours to points 0.01 m apart and sums over them. Here every integral is exact per edge, so it is
+right at any distance from the contour and costs a hundredth.
+"""
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import TypeVar
+
 import numpy as np
 
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.geometry.contour import boundary_center
+from swarm_msgs_py.geometry.edges import Edges
+from swarm_msgs_py.types import BoolArray, FloatArray
 
-HEIGHT_MIN = 1e-3  # [m]; the integral grows like 2/h toward an edge and must stay finite on it
+HEIGHT_MIN = 1e-3  # [m]; the repulsion grows like 2/h toward an edge and must stay finite on it
+Corners = TypeVar("Corners", FloatArray, BoolArray)
+_TINY = 1e-300  # [m]; a point on an edge has distances to its ends that add up to its length
 
 
-class ShapeForce:
-    """Contour integral of (z - zeta) / abs(z - zeta)^3 ds for a fixed polygon (thesis eqs. (3.83), (3.96)).
-
-    The exact integral per edge replaces the thesis' sum over points 0.01 m apart; it is right at any distance.
+class ContourIntegrals:
+    """A fixed polygon whose integrals can be evaluated at many points at once.
 
     Parameters
     ----------
     contour : (k, 2) array
-        Polygon, counter-clockwise [m].
+        Simple polygon, counter-clockwise [m].
+
+    Attributes
+    ----------
+    length : float
+        Length of the contour [m].
+    center : (2,) array
+        Boundary center z_c [m] (thesis eq. (3.66)).
     """
 
     def __init__(self, contour: FloatArray) -> None:
-        edges = np.roll(contour, -1, axis=0) - contour
-        self._lengths = np.linalg.norm(edges, axis=1)
-        self._tangents = edges / self._lengths[:, None]
-        self._normals = np.column_stack([-self._tangents[:, 1], self._tangents[:, 0]])
-        self._starts = (contour * self._tangents).sum(axis=1)
-        self._heights = (contour * self._normals).sum(axis=1)
-        self._before = np.roll(self._tangents, 1, axis=0) - self._tangents
+        self.edges = Edges((contour,))
+        self.length = float(self.edges.lengths.sum())
+        self.center = boundary_center(contour)
+        # A sum of t f(end) - t f(start) over edges, collected per corner: it ends one edge and begins the next.
+        self.turns: FloatArray = np.roll(self.edges.tangents, 1, axis=0) - self.edges.tangents
+        following = np.roll(contour, -1, axis=0)
+        self.tail_heights: FloatArray = contour[(following != contour).any(axis=1), 1]
 
-    def at(self, points: FloatArray) -> FloatArray:
-        """Return the force at (n, 2) points [1/m], an (n, 2) array that points away from the contour."""
-        first = self._starts - points @ self._tangents.T
-        heights = self._heights - points @ self._normals.T
-        last = first + self._lengths
-        nearness = 1.0 / np.maximum(np.sqrt(heights * heights + first * first), HEIGHT_MIN)  # 1 / rho_1 of each edge
-        following = np.concatenate([nearness[:, 1:], nearness[:, :1]], axis=1)  # an edge ends where the next begins
-        floored = np.copysign(np.maximum(np.abs(heights), HEIGHT_MIN), heights)
-        across = (first * nearness - last * following) / floored
-        # Sum over edges of t (1/rho_2 - 1/rho_1), collected per vertex: it ends one edge and begins the next.
-        force: FloatArray = across @ self._normals + nearness @ self._before
-        return force
+    def at(self, points: FloatArray) -> IntegralsAt:
+        """Return the integrals at (n, 2) points [m]; each is computed when it is asked for."""
+        return IntegralsAt(self, points)
+
+
+class IntegralsAt:
+    """The integrals of one contour at some points.
+
+    With z a point, zeta the running point of the contour and s the arc length. For an edge of length l with unit
+    tangent t and left normal e, seen from z as s1 <= s <= s1 + l = s2 at height h, and rho the distance to an end:
+
+    ========== ============================================ =====================================================
+    attraction integral of (zeta - z) ds                    l (midpoint - z)
+    repulsion  integral of (z - zeta) / |z - zeta|^3 ds     t (1/rho2 - 1/rho1) - e (s2/rho2 - s1/rho1) / h
+    transition integral of (zeta - z) / |zeta - z| ds       t (rho2 - rho1) + e h ln((rho1+rho2+l) / (rho1+rho2-l))
+    ========== ============================================ =====================================================
+
+    Parameters
+    ----------
+    contour : ContourIntegrals
+    points : (n, 2) array
+        [m].
+
+    References
+    ----------
+    .. [1] Thesis eqs. (3.80)-(3.90), (3.96); the sums there lack ds (errata E2 and E7 of the specification).
+    """
+
+    def __init__(self, contour: ContourIntegrals, points: FloatArray) -> None:
+        self._contour = contour
+        self._points = points
+        self._first, self._heights = contour.edges.seen_from(points)
+
+    @cached_property
+    def attraction(self) -> FloatArray:
+        """Length of the contour times the way to its boundary center, (n, 2) [m^2]."""
+        pull: FloatArray = self._contour.length * (self._contour.center - self._points)
+        return pull
+
+    @cached_property
+    def repulsion(self) -> FloatArray:
+        """Push away from the contour, inside inward and outside outward, (n, 2) [1/m]; 2/h near a straight edge."""
+        nearness = 1.0 / np.maximum(self._distances, HEIGHT_MIN)
+        heights = self._heights
+        near = np.abs(heights) < HEIGHT_MIN
+        if near.any():
+            heights = np.where(near, np.copysign(HEIGHT_MIN, heights), heights)
+        across = (self._first * nearness - self._last * _next_corner(nearness)) / heights
+        push: FloatArray = across @ self._contour.edges.normals + nearness @ self._contour.turns
+        return push
+
+    @cached_property
+    def transition(self) -> FloatArray:
+        """Pull toward the contour by its length as seen from the point, (n, 2) [m]."""
+        both = self._distances + _next_corner(self._distances)
+        lengths = self._contour.edges.lengths
+        across = self._heights * np.log((both + lengths) / np.maximum(both - lengths, _TINY))
+        pull: FloatArray = across @ self._contour.edges.normals + self._distances @ self._contour.turns
+        return pull
+
+    @cached_property
+    def inside(self) -> BoolArray:
+        """Whether each point is inside, by the crossings of a ray along +x, (n,); on the contour either way."""
+        above = self._contour.tail_heights > self._points[:, 1:]
+        ends_above = _next_corner(above)
+        # A climbing edge is met by the ray of a point on its left, which sees its line at a negative height.
+        met = (above != ends_above) & ((self._heights < 0.0) == ends_above)
+        inside: BoolArray = np.logical_xor.reduce(met, axis=1)
+        return inside
+
+    @cached_property
+    def signed_distances(self) -> FloatArray:
+        """Distance to the contour, positive inside, (n,) [m]."""
+        beyond = np.maximum(np.maximum(self._first, -self._last), 0.0)  # past the end of the edge, along it
+        squares = self._squares + beyond * beyond
+        distances = np.sqrt(squares.min(axis=1))
+        signed: FloatArray = np.where(self.inside, distances, -distances)
+        return signed
+
+    @cached_property
+    def _last(self) -> FloatArray:
+        last: FloatArray = self._first + self._contour.edges.lengths
+        return last
+
+    @cached_property
+    def _distances(self) -> FloatArray:
+        """Distance to the tail of each edge, (n, k) [m]."""
+        distances: FloatArray = np.sqrt(self._squares + self._first * self._first)
+        return distances
+
+    @cached_property
+    def _squares(self) -> FloatArray:
+        """Squared distance to the line of each edge, (n, k) [m^2]."""
+        squares: FloatArray = self._heights * self._heights
+        return squares
+
+
+def _next_corner(corners: Corners) -> Corners:
+    """Return the columns moved on by one corner: what is known of the tails becomes known of the heads."""
+    return np.concatenate([corners[:, 1:], corners[:, :1]], axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
@@ -44,6 +45,17 @@ def is_newer_epoch(epoch: int, held: int) -> bool:
     return held < epoch <= held + EPOCH_LEAP_MAX
 
 
+WEIGHT_ONE, WEIGHT_MAX = 256, 0xFFFF
+"""Weight of an ordinary robot, and the largest; fixed point, so that weighted costs are whole numbers everywhere."""
+
+
+class Objective(Enum):
+    """What an assignment of goals is to make as small as it can be."""
+
+    TOTAL = "total"  # sum of all weighted paths
+    BOTTLENECK = "bottleneck"  # longest weighted path of any robot; among those assignments, the sum
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CostRow:
     """What each goal of its type would cost one robot.
@@ -60,6 +72,10 @@ class CostRow:
         Rows of one robot and epoch are numbered 1, 2, ...; the highest counts. A withdrawn robot's row is empty.
     costs : (m,) int array
         Length of the shortest free path to each goal [cm]; `UNREACHABLE` where there is none.
+    weight : int
+        How much a meter of this robot counts, in units of 1 / `WEIGHT_ONE`; 1 to `WEIGHT_MAX`.
+    objective : Objective
+        What the robot would have the swarm minimize. The rows together decide: what most of them say.
     """
 
     epoch: int
@@ -67,6 +83,8 @@ class CostRow:
     robot_type: int
     version: int
     costs: IntArray
+    weight: int = WEIGHT_ONE
+    objective: Objective = Objective.TOTAL
 
 
 VERSION_LEAP_MAX = 1024

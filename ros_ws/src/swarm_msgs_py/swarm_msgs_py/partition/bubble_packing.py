@@ -2,140 +2,159 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-
 import numpy as np
+from shapely import Polygon
 
-from swarm_msgs_py.geometry.contour_integrals import ShapeForce
-from swarm_msgs_py.partition.config import BubbleConfig, BubbleLaw
-from swarm_msgs_py.partition.domain import Domain
-from swarm_msgs_py.partition.initial_placement import place
+from swarm_msgs_py.geometry.contour_integrals import ContourIntegrals
+from swarm_msgs_py.partition.bubble_laws import LAWS
+from swarm_msgs_py.partition.cell_integrals import Region
+from swarm_msgs_py.partition.config import BubbleConfig
+from swarm_msgs_py.partition.domain import Domain, Shortage
+from swarm_msgs_py.partition.initial_placement import place, shortage
+from swarm_msgs_py.partition.mesh_energy import MeshEnergy
+from swarm_msgs_py.partition.own_frame import OwnFrame
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
+from swarm_msgs_py.partition.spreading import spread_sizes
 from swarm_msgs_py.types import FloatArray
 
-THESIS_RANGE = 2.5  # [m], l0 of thesis eq. (3.95)
-DISTANCE_MIN = 1e-9  # [m]; two bubbles in one place push each other nowhere, and the separator parts them
-THESIS_PEAK = 4.0  # force of (3.95) at zero distance; brings its steps to the size of the scaled law's
-STEP_FLOOR = 0.2  # share of the step limit that is left in the last iteration
+STEP_FLOOR = 0.2  # share of the step limit that is left when bubbles come to rest
+GRID = 2.0**20  # bubbles are rounded to this many parts of a meter, so that rounding errors do not grow
 SWEEPS = 2  # of pushing apart, per iteration; the next iteration goes on where they end
+ALL_WEIGHT = 1.5  # in the choice among meshes: bubbles tend to crowd along the contour
+RIM_WIDTH = 0.7  # in spacings: holds the first row of bubbles and not the second
+RIM_SLOPE = 3.0  # the rim fades out over the inner third of its width
+HEALING_SOFTNESS = 0.2  # how much longer ranges are at first when one bubble has changed its place
 
 
 class BubblePacking:
     """The partition method of the thesis' section 3.2.2.1, with a force law scaled to the area per robot.
 
+    What comes to rest depends on the start, so a few placements by Algorithm 1, with other circles in the middle, are
+    annealed, and the most regular mesh goes on. Then bubbles from where it is most crowded are tried in the largest
+    hole, as the bubble meshes of the literature remove and insert bubbles; such a move stays if the mesh gains by it.
+
+    All is computed in a frame that turns with the shape, so that no orientation is better than another.
+
     Parameters
     ----------
     config : BubbleConfig
         Law and tuning.
-    """
-
-    def __init__(self, config: BubbleConfig) -> None:
-        self._config = config
-
-    def fits(self, domain: Domain) -> bool:
-        """Return whether Algorithm 1 finds room for every circle; the packing only improves on it."""
-        return place(domain) is not None
-
-    def place(self, domain: Domain) -> FloatArray | None:
-        """Return the (n, 2) centers of the packed circles, which keep all gaps; None if Algorithm 1 finds no room."""
-        placed = place(domain)
-        return None if placed is None else self._relax(domain, placed)
-
-    def _relax(self, domain: Domain, placed: FloatArray) -> FloatArray:
-        """Return the centers at rest; they keep all gaps if those of `placed` do."""
-        config = self._config
-        law = _LAWS[config.law](config, domain)
-        shape_force = ShapeForce(domain.contour)
-        separator = Separator(domain)
-        centers = placed
-        for iteration in range(config.iterations_max):
-            done = iteration / config.iterations_max
-            stretch = 1.0
-            if config.softening:
-                stretch += config.softness * max(0.0, 1.0 - done / config.softening)
-            force = law.between(centers, stretch) + law.shape_gain * shape_force.at(centers)
-            limit = config.step_max * law.base * (STEP_FLOOR + (1.0 - STEP_FLOOR) * (1.0 - done))
-            steps = law.mobility * force
-            lengths = np.sqrt(np.einsum("nd,nd->n", steps, steps))
-            steps *= np.minimum(1.0, limit / np.maximum(lengths, limit))[:, None]
-            moved = separator.apart(centers + steps, SWEEPS)
-            longest = float(np.abs(moved - centers).max())
-            centers = moved
-            if longest < config.tolerance_m and stretch == 1.0:
-                break
-        centers = separator.apart(centers, FINAL_SWEEPS)
-        return centers if separator.is_separated(centers) else placed
-
-
-class _Law(ABC):
-    """Force between bubbles, with the scales that belong to it.
-
-    Attributes
-    ----------
-    base : float
-        Range l0 for a pair of mean radius [m].
-    shape_gain : float
-        Factor of the shape force.
-    mobility : float
-        Step per unit of force [m].
-    """
-
-    base: float
-    shape_gain: float
-    mobility: float
-
-    @abstractmethod
-    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:
-        """Return the (n, n) force between centers at these distances, the range `stretch` times as long."""
-
-    def between(self, centers: FloatArray, stretch: float) -> FloatArray:
-        """Return the (n, 2) force of all other bubbles on each of (n, 2) centers."""
-        x, y = centers.T
-        dx, dy = x[:, None] - x, y[:, None] - y
-        distances = np.sqrt(dx * dx + dy * dy)
-        np.fill_diagonal(distances, np.inf)
-        push = self.magnitude(distances, stretch) / np.maximum(distances, DISTANCE_MIN)
-        return np.column_stack([np.einsum("ij,ij->i", push, dx), np.einsum("ij,ij->i", push, dy)])
-
-
-class _ScaledLaw(_Law):
-    """Repulsive part of the bubble-mesh force, ending smoothly at a range that follows the area per robot.
 
     References
     ----------
     .. [1] K. Shimada, D. C. Gossard, "Bubble mesh", ACM Symposium on Solid Modeling, 1995.
     """
 
+    def __init__(self, config: BubbleConfig) -> None:
+        self._config = config
+
+    def shortage(self, domain: Domain) -> Shortage | None:
+        """Return the circle for which Algorithm 1 finds no room, None if it places all; the packing improves on it."""
+        return shortage(domain.entering(OwnFrame(domain.contour)))
+
+    def place(self, domain: Domain) -> FloatArray | None:
+        """Return the (n, 2) centers of the packed circles, which keep all gaps; None if Algorithm 1 finds no room."""
+        frame = OwnFrame(domain.contour)
+        own = domain.entering(frame)
+        placed = place(own)
+        if placed is None:
+            return None
+        packing = _Packing(self._config, own)
+        annealed = [packing.anneal(placed, 0.0)]
+        for first in range(1, min(self._config.starts, len(placed))):
+            start = place(own, first)
+            if start is not None:
+                # Meshes differ most in how many bubbles lie along the contour; these have fewer.
+                annealed.append(packing.anneal(start, self._config.rim_stretch))
+        healed = packing.heal(min(annealed, key=packing.irregularity))
+        packed = (packing.rest(centers) for centers in (spread_sizes(own, healed), healed))
+        return frame.leave(next((centers for centers in packed if centers is not None), placed))
+
+
+class _Packing:
+    """Bubbles in a shape, and how they move.
+
+    Parameters
+    ----------
+    config : BubbleConfig
+    domain : Domain
+    """
+
     def __init__(self, config: BubbleConfig, domain: Domain) -> None:
-        self.base = config.beta * domain.spacing
-        self.shape_gain = config.kappa * self.base / 4.0
-        self.mobility = config.step * self.base
-        sums = domain.radii[:, None] + domain.radii
-        share = sums / (2.0 * float(domain.radii.mean())) - 1.0
-        # A large pair in a tight shape must begin to push before it touches.
-        self._ranges = np.maximum(self.base * (1.0 + config.eta * share), domain.least_distances)
+        self._config = config
+        self._law = LAWS[config.law](config, domain)
+        self._contour = ContourIntegrals(domain.contour)
+        self._separator = Separator(domain)
+        self._rim_width = RIM_WIDTH * domain.spacing
+        shape = Polygon(domain.contour)
+        self._mesh = MeshEnergy(Region(shape), shape.area, np.zeros(len(domain.radii)), 0.0)
 
-    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:
-        x = np.minimum(distances / (stretch * self._ranges), 1.0)
-        force: FloatArray = (1.25 * x - 2.375) * x * x + 1.125
-        return force
+    def irregularity(self, centers: FloatArray) -> float:
+        """Return how far the mesh between the bubbles is from a hexagonal lattice."""
+        return self._mesh.irregularity(centers, ALL_WEIGHT)
 
+    def anneal(self, centers: FloatArray, rim_stretch: float) -> FloatArray:
+        """Return the centers after ranges have come down to l0, beside the contour to a share more."""
+        return self._settle(centers, self._config.softness, self._config.annealing_iterations, rim_stretch)
 
-class _ThesisLaw(_Law):
-    """Force of thesis eq. (3.95), which jumps to zero at its fixed range and knows no radii."""
+    def heal(self, centers: FloatArray) -> FloatArray:
+        """Return the centers after moves of single bubbles from crowded places into holes, as far as they help."""
+        least, crowded = self.irregularity(centers), 0
+        for _ in range(self._config.healings):
+            bubble = int(np.argsort(-self._pressures(centers), kind="stable")[crowded % len(centers)])
+            hole = self._mesh.largest_hole(centers, bubble)
+            if hole is None:
+                break
+            moved = centers.copy()
+            moved[bubble] = hole
+            moved = self._settle(moved, HEALING_SOFTNESS, self._config.healing_iterations)
+            irregularity = self.irregularity(moved)
+            crowded += 1
+            if irregularity < least:
+                centers, least, crowded = moved, irregularity, 0
+        return centers
 
-    def __init__(self, config: BubbleConfig, domain: Domain) -> None:  # noqa: ARG002 - the signature of all laws
-        self.base = THESIS_RANGE
-        self.shape_gain = 1.0
-        self.mobility = config.step * THESIS_RANGE / THESIS_PEAK
+    def rest(self, centers: FloatArray) -> FloatArray | None:
+        """Return the centers when no bubble moves any more; None if they do not keep all gaps then."""
+        for _ in range(self._config.iterations_max):
+            moved = self._step(centers, 1.0, STEP_FLOOR)
+            longest = float(np.abs(moved - centers).max())
+            centers = moved
+            if longest < self._config.tolerance_m:
+                break
+        centers = self._separator.apart(centers, FINAL_SWEEPS)
+        return centers if self._separator.is_separated(centers) else None
 
-    def magnitude(self, distances: FloatArray, stretch: float) -> FloatArray:  # noqa: ARG002
-        x = np.minimum(distances, THESIS_RANGE)
-        force: FloatArray = np.where(distances <= THESIS_RANGE, ((-0.1 * x - 0.2) * x - 0.3) * x + THESIS_PEAK, 0.0)
-        return force
+    def _settle(self, centers: FloatArray, softness: float, iterations: int, rim_stretch: float = 0.0) -> FloatArray:
+        """Return the centers after ranges began longer by `softness` and steps at their longest."""
+        for iteration in range(iterations):
+            left = 1.0 - iteration / iterations
+            stretch: float | FloatArray = 1.0 + softness * max(0.0, 1.0 - (1.0 - left) / self._config.softening)
+            if rim_stretch:
+                stretch = stretch * self._rim_factors(centers, rim_stretch)
+            centers = self._step(centers, stretch, STEP_FLOOR + (1.0 - STEP_FLOOR) * left)
+        return centers
 
+    def _rim_factors(self, centers: FloatArray, rim_stretch: float) -> FloatArray:
+        """Return how much longer the range of each pair is for being beside the contour, (n, n)."""
+        depths = self._contour.at(centers).signed_distances / self._rim_width
+        nearness = np.minimum(1.0, np.maximum(0.0, RIM_SLOPE * (1.0 - depths)))
+        factors: FloatArray = 1.0 + 0.5 * rim_stretch * (nearness[:, None] + nearness)
+        return factors
 
-_LAWS: dict[BubbleLaw, type[_ScaledLaw] | type[_ThesisLaw]] = {
-    BubbleLaw.SCALED: _ScaledLaw,
-    BubbleLaw.THESIS: _ThesisLaw,
-}
+    def _step(self, centers: FloatArray, stretch: float | FloatArray, limit: float) -> FloatArray:
+        """Return the centers after one iteration, `limit` being the longest step as a share of the largest allowed."""
+        law = self._law
+        force = law.between(centers, stretch) + law.shape_gain * self._contour.at(centers).repulsion
+        longest = limit * self._config.step_max * law.base
+        steps = law.mobility * force
+        lengths = np.sqrt((steps * steps).sum(axis=1))
+        steps *= np.minimum(1.0, longest / np.maximum(lengths, longest))[:, None]
+        moved = np.rint(GRID * (centers + steps)) / GRID
+        return self._separator.apart(moved, SWEEPS)
+
+    def _pressures(self, centers: FloatArray) -> FloatArray:
+        """Return how hard each bubble is pushed from all sides together, (n,)."""
+        push = self._law.shape_gain * self._contour.at(centers).repulsion
+        pressures: FloatArray = self._law.pressures(centers) + np.sqrt((push * push).sum(axis=1))
+        return pressures

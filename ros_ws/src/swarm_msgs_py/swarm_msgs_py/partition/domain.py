@@ -12,7 +12,8 @@ from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.geometry.contour import boundary_center, signed_area
 from swarm_msgs_py.partition.config import Gaps
 from swarm_msgs_py.partition.free_region import FreeRegion, free_region
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.partition.own_frame import OwnFrame
+from swarm_msgs_py.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +73,45 @@ class Domain:
         np.fill_diagonal(distances, 0.0)
         return distances
 
-    def reordered(self, order: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Domain:
+    def reordered(self, order: IntArray) -> Domain:
         """Return the same problem with the circles in another order."""
         return Domain(self.contour, self.obstacles, self.radii[order], self.gaps)
+
+    def entering(self, frame: OwnFrame) -> Domain:
+        """Return the same problem in a frame of reference."""
+        obstacles = tuple(frame.enter(outline) for outline in self.obstacles)
+        return Domain(frame.enter(self.contour), obstacles, self.radii, self.gaps)
 
     def scaled(self, factor: float) -> Domain:
         """Return the problem with the contour scaled about its center and without obstacles."""
         return Domain(self.center + factor * (self.contour - self.center), (), self.radii, self.gaps)
+
+
+@dataclass(frozen=True, slots=True)
+class Shortage:
+    """Where a method ran out of room.
+
+    Attributes
+    ----------
+    circle : int
+        The circle that found no room.
+    placed : int
+        How many circles had found room before.
+    free_area : float
+        Area of the shape that they do not cover [m^2].
+    """
+
+    circle: int
+    placed: int
+    free_area: float
+
+    @classmethod
+    def after(cls, domain: Domain, order: IntArray, placed: int) -> Shortage | None:
+        """Return the shortage when this many circles, in this order, found room; None if all did."""
+        if placed == len(order):
+            return None
+        covered = float(np.pi * (domain.radii[order[:placed]] ** 2).sum())
+        return cls(int(order[placed]), placed, domain.area - covered)
 
 
 def check_obstacles(contour: FloatArray, obstacles: tuple[FloatArray, ...]) -> None:

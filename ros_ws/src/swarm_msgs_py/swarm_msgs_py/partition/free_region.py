@@ -90,6 +90,13 @@ class FreeRegion:
 def free_region(
     contour: FloatArray, obstacles: tuple[FloatArray, ...], radius: float, contour_gap: float, obstacle_gap: float
 ) -> FreeRegion:
+    """Return where the center of a circle may be, ready to be asked about points; parameters as `free_polygon`."""
+    return FreeRegion(free_polygon(contour, obstacles, radius, contour_gap, obstacle_gap))
+
+
+def free_polygon(
+    contour: FloatArray, obstacles: tuple[FloatArray, ...], radius: float, contour_gap: float, obstacle_gap: float
+) -> BaseGeometry:
     """Return where the center of a circle may be (first half of Algorithm 1 of the thesis).
 
     Parameters
@@ -109,4 +116,4 @@ def free_region(
         obstacle = Polygon(outline)
         if obstacle.distance(region) < reach:
             region = region.difference(obstacle.buffer(reach, quad_segs=ARC_SEGMENTS))
-    return FreeRegion(region)
+    return region

@@ -2,22 +2,55 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.domain import Domain, Shortage
 from swarm_msgs_py.partition.free_region import FreeRegion
 from swarm_msgs_py.types import FloatArray
 
+ALONG_X: FloatArray = np.array([1.0, 0.0])
 TOUCH = 1e-9  # [m]; candidates lie on the boundary of what they must stay out of, up to rounding
 
 
-def place(domain: Domain) -> FloatArray | None:
+def place(domain: Domain, first: int = 0) -> FloatArray | None:
+    """Return the (n, 2) centers that `place_in_turn` finds; None if some circle finds no room.
+
+    Parameters
+    ----------
+    domain : Domain
+    first : int
+        The circle that is placed first; those before it follow the last one. The second goes another way from it, too:
+        each makes another cluster, from which a packing may settle better.
+    """
+    order = np.roll(np.arange(len(domain.radii)), -first)
+    found = place_in_turn(domain.reordered(order), np.array([math.cos(first), math.sin(first)]))
+    if len(found) < len(order):
+        return None
+    centers = np.empty_like(found)
+    centers[order] = found
+    return centers
+
+
+def shortage(domain: Domain) -> Shortage | None:
+    """Return where `place` runs out of room, None if it does not."""
+    return Shortage.after(domain, np.arange(len(domain.radii)), len(place_in_turn(domain)))
+
+
+def place_in_turn(domain: Domain, direction: FloatArray = ALONG_X) -> FloatArray:
     """Return a start for the packing: each circle in turn at the free point nearest to the boundary center.
+
+    Parameters
+    ----------
+    domain : Domain
+    direction : (2,) array
+        Unit vector in which the second circle stands beside a first one at the center, where all ways are equal.
 
     Returns
     -------
-    (n, 2) array or None
-        Centers that keep all the gaps; None if some circle finds no room.
+    (m, 2) array
+        Centers that keep all the gaps; m < n if circle m (counted from 0) finds no room.
 
     Notes
     -----
@@ -26,14 +59,14 @@ def place(domain: Domain) -> FloatArray | None:
     exact, and 50 times faster than to subtract discs from polygons.
     """
     fields = {
-        radius: _CandidateField(region, domain.center, domain.classes, radius, domain.gaps.robot_m)
+        radius: _CandidateField(region, domain.center, direction, domain, radius)
         for radius, region in zip(domain.classes, domain.regions, strict=True)
     }
     centers = np.empty((len(domain.radii), 2))
     for index, radius in enumerate(domain.radii):
         best = fields[float(radius)].nearest()
         if best is None:
-            return None
+            return centers[:index]
         centers[index] = best
         for field in fields.values():
             field.add(best, float(radius))
@@ -44,11 +77,11 @@ class _CandidateField:
     """Candidates for the nearest free point for circles of one radius."""
 
     def __init__(
-        self, region: FreeRegion, target: FloatArray, classes: tuple[float, ...], radius: float, gap: float
+        self, region: FreeRegion, target: FloatArray, direction: FloatArray, domain: Domain, radius: float
     ) -> None:
-        self._region, self._target = region, target
+        self._region, self._target, self._direction = region, target, direction
         # Keep-out radius around a placed circle of each class.
-        self._reach = {other: radius + other + gap for other in classes}
+        self._reach = {other: radius + other + domain.gaps.robot_m for other in domain.classes}
         self._centers = np.empty((0, 2))
         self._reaches = np.empty(0)
         first = target[None] if not region.is_empty and region.contains(target[None])[0] else np.empty((0, 2))
@@ -69,7 +102,9 @@ class _CandidateField:
         reach = self._reach[radius]
         apart = np.linalg.norm(self._candidates - center, axis=1)
         kept = self._candidates[apart >= reach - TOUCH]
-        on_arcs = np.concatenate([_toward(center, reach, self._target), self._circle_corners(center, reach)])
+        on_arcs = np.concatenate(
+            [_toward(center, reach, self._target, self._direction), self._circle_corners(center, reach)]
+        )
         fresh = np.concatenate([on_arcs[self._region.contains(on_arcs)], self._boundary_corners(center, reach)])
         self._candidates = np.concatenate([kept, self._outside_circles(fresh)])
         self._centers = np.concatenate([self._centers, center[None]])
@@ -108,9 +143,9 @@ class _CandidateField:
         return np.concatenate(corners)
 
 
-def _toward(center: FloatArray, reach: float, target: FloatArray) -> FloatArray:
-    """Return the point of a circle that is nearest to the target, (1, 2)."""
+def _toward(center: FloatArray, reach: float, target: FloatArray, direction: FloatArray) -> FloatArray:
+    """Return the point of a circle that is nearest to the target, (1, 2); around the target, that in `direction`."""
     offset = target - center
     distance = float(np.linalg.norm(offset))
-    unit = offset / distance if distance > TOUCH else np.array([1.0, 0.0])
+    unit = offset / distance if distance > TOUCH else direction
     return (center + reach * unit)[None]

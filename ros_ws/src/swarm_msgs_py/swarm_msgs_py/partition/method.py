@@ -7,15 +7,17 @@ from typing import Protocol
 
 from swarm_msgs_py.partition.bubble_packing import BubblePacking
 from swarm_msgs_py.partition.config import Method, PartitionConfig
-from swarm_msgs_py.partition.domain import Domain
+from swarm_msgs_py.partition.domain import Domain, Shortage
+from swarm_msgs_py.partition.fractals import RandomizedFractals
+from swarm_msgs_py.partition.voronoi import CentroidalVoronoi
 from swarm_msgs_py.types import FloatArray
 
 
 class PartitionMethod(Protocol):
     """Finds room for circles inside a contour; equal inputs give equal results."""
 
-    def fits(self, domain: Domain) -> bool:
-        """Return whether `place` would find room for every circle."""
+    def shortage(self, domain: Domain) -> Shortage | None:
+        """Return the circle for which there is no room; None: `place` will find room for all, and not return None."""
         ...
 
     def place(self, domain: Domain) -> FloatArray | None:
@@ -25,5 +27,7 @@ class PartitionMethod(Protocol):
 
 METHODS: Mapping[Method, Callable[[PartitionConfig], PartitionMethod]] = {
     Method.BUBBLE_PACKING: lambda config: BubblePacking(config.bubbles),
+    Method.FRACTALS: lambda config: RandomizedFractals(config.fractals),
+    Method.VORONOI: lambda config: CentroidalVoronoi(config.voronoi),
 }
 """How to make each method from its settings."""

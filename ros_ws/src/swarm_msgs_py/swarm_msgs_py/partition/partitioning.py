@@ -96,7 +96,7 @@ def _partition(polygons: _Polygons, roster: Roster, config: PartitionConfig) -> 
     domain, types = _posed(shape, roster, tuple(obstacles), config, method)
     centers = method.place(domain)
     if centers is None:
-        raise ShapeError(_remedy(domain, roster, method))
+        raise ShapeError(_remedy(domain, types, roster, method))
     centers.flags.writeable = types.flags.writeable = False
     return GoalSet(centers, types)
 
@@ -150,9 +150,9 @@ def check_fits(
     config = config or PartitionConfig()
     method = METHODS[config.method](config)
     check_obstacles(shape, obstacles)
-    domain, _ = _posed(shape, roster, obstacles, config, method)
-    if not method.fits(domain):
-        raise ShapeError(_remedy(domain, roster, method))
+    domain, types = _posed(shape, roster, obstacles, config, method)
+    if method.shortage(domain) is not None:
+        raise ShapeError(_remedy(domain, types, roster, method))
 
 
 def _posed(
@@ -168,16 +168,17 @@ def _posed(
     """
     types = roster.interleaved_types()
     domain = Domain(shape, obstacles, roster.radii_of(types), config.gaps)
-    if method.fits(domain):
+    if method.shortage(domain) is None:
         return domain, types
     order = np.argsort(-domain.radii, kind="stable")
     return domain.reordered(order), types[order]
 
 
-def _remedy(domain: Domain, roster: Roster, method: PartitionMethod) -> str:
+def _remedy(domain: Domain, types: IntArray, roster: Roster, method: PartitionMethod) -> str:
     """Return the line for the operator when circles, largest first, do not fit."""
     bare = Domain(domain.contour, (), domain.radii, domain.gaps)
-    if domain.obstacles and method.fits(bare):
+    shortage = method.shortage(bare)
+    if shortage is None:
         return (
             "obstacles in or beside the shape leave too little room for the robots; move the shape away or scale it up"
         )
@@ -191,22 +192,26 @@ def _remedy(domain: Domain, roster: Roster, method: PartitionMethod) -> str:
     if scale is None:
         return f"a shape of {domain.area:.3g} m2 is {problem}, at any scale; choose a less jagged one"
     needed = domain.area * scale**2
-    return f"a shape of {domain.area:.3g} m2 is {problem}: needs {needed:.3g} m2; scale it by at least {scale:g}"
+    return (
+        f"a shape of {domain.area:.3g} m2 is {problem}: needs {needed:.3g} m2; scale it by at least {scale:g}"
+        f" (circle {shortage.placed + 1} of {roster.size}, for type {types[shortage.circle]} of radius"
+        f" {domain.radii[shortage.circle]:g} m, found no room; {shortage.free_area:.3g} m2 are free)"
+    )
 
 
 def _needed_scale(domain: Domain, method: PartitionMethod) -> float | None:
     """Return a factor, rounded up to two decimals, by which the contour is just large enough; None if there is none."""
     circles = float(np.pi * (domain.radii**2).sum())
     low, high = 1.0, max(1.0, math.sqrt(circles / domain.area))
-    while not method.fits(domain.scaled(high)):
+    while method.shortage(domain.scaled(high)) is not None:
         low, high = high, 1.3 * high
         if high > SCALE_MAX:
             return None
     while high > SCALE_STEP * low:
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if method.fits(domain.scaled(middle)) else (middle, high)
+        low, high = (middle, high) if method.shortage(domain.scaled(middle)) else (low, middle)
     # The first placement is greedy, so more room is not always better: what is promised has been tried.
     scale = math.ceil(100.0 * high) / 100.0
-    while not method.fits(domain.scaled(scale)):
+    while method.shortage(domain.scaled(scale)) is not None:
         scale = math.ceil(100.0 * SCALE_STEP * scale) / 100.0
     return scale

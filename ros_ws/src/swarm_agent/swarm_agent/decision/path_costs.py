@@ -1,0 +1,62 @@
+"""What the goals of a plan cost a robot: path lengths in whole centimeters, as rows carry them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from swarm_agent.planning.config import PlanningConfig
+from swarm_agent.planning.path_planner import planner_for
+from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
+from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import FloatArray, IntArray
+
+CM_PER_M = 100.0
+
+
+class PathCosts:
+    """Path lengths of one type of robot.
+
+    Parameters
+    ----------
+    robot_type : RobotType
+    config : PlanningConfig
+    """
+
+    def __init__(self, robot_type: RobotType, config: PlanningConfig) -> None:
+        self._type = robot_type
+        self._config = config
+
+    @property
+    def robot_type(self) -> int:
+        """Number of the type."""
+        return self._type.type
+
+    def goals(self, plan: Plan) -> IntArray:
+        """Return the ids of the goals for this type, ascending, (m,)."""
+        return np.flatnonzero(plan.goal_types == self._type.type)
+
+    def of(self, plan: Plan, position: FloatArray) -> IntArray:
+        """Return the length of the shortest path from a place to each goal of the type, (m,) [cm].
+
+        An estimate that is far off may lie in a wall or outside the arena, from where no path leads anywhere. The robot
+        is somewhere else for certain; then beelines are the best guess.
+
+        Parameters
+        ----------
+        plan : Plan
+        position : (2,) array
+            The place [m].
+        """
+        planner = planner_for(plan.obstacles, self._type.coverage_radius_m, self._config)
+        goals = plan.goals[plan.goal_types == self._type.type]
+        meters = planner.costs(position, goals)
+        if not np.isfinite(meters).any():
+            meters = np.linalg.norm(goals - position, axis=1)
+        centimeters = np.minimum(np.rint(meters * CM_PER_M), UNREACHABLE - 1)
+        return np.where(np.isfinite(meters), centimeters, UNREACHABLE).astype(np.int64)
+
+
+def dearer(costs: IntArray, surcharge: IntArray | int) -> IntArray:
+    """Return costs with something added [cm], at least 0; what has no path still has none, and only that."""
+    changed = np.clip(costs + surcharge, 0, UNREACHABLE - 1)
+    return np.where(costs == UNREACHABLE, UNREACHABLE, changed)
