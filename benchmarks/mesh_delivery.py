@@ -25,8 +25,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -34,6 +32,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import shortest_path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from drawing import BLUE, TARGET, VERMILION, panels, save
+from tables import print_head, print_row
 
 from bringup.layout import walls
 from bringup.resolution import resolve
@@ -55,10 +56,9 @@ WARM_UP, MEASURED, FLIGHT = 20, 50, 30
 """Ticks to converge, to send packets in, and that a packet may take at most."""
 PACKETS_PER_TICK = 10
 ARENAS, LOSSES, DELAYS = ("open", "obstacles"), (0.0, 0.1, 0.3), (0, 1)
-COLORS = {"open": "#0072B2", "obstacles": "#D55E00"}  # Okabe-Ito: safe for color blindness
+COLORS = {"open": BLUE, "obstacles": VERMILION}
 TARGETS = {0.0: 0.99, 0.1: 0.95}
 STRETCH_TARGET = 1.05
-WIDTH_IN, HEIGHT_IN, DPI = 9.0, 3.9, 150
 
 
 @dataclass(frozen=True)
@@ -248,8 +248,7 @@ def _of(outcomes: dict[Case, Outcome], arena: str, loss: float, delay: int) -> l
 def _print_table(outcomes: dict[Case, Outcome]) -> bool:
     """Print one row per case, and return whether all targets were met."""
     names = ("arena", "loss", "delay [ticks]", "runs", "packets", "delivered", "worst run", "route stretch")
-    _print_row([*names, "path stretch", "latency [ticks]"])
-    _print_row(["---"] * 10)
+    print_head([*names, "path stretch", "latency [ticks]"])
     reached = True
     for arena, loss, delay in product(ARENAS, LOSSES, DELAYS):
         some = _of(outcomes, arena, loss, delay)
@@ -261,7 +260,7 @@ def _print_table(outcomes: dict[Case, Outcome]) -> bool:
         worst = min(_delivery([o]) for o in some)
         counts = str(len(some)), str(sum(o.counted for o in some))
         ratios = f"{delivery:.2%}", f"{worst:.1%}", f"{route:.3f}", f"{path:.3f}", f"{latency:.1f}"
-        _print_row([arena, f"{loss:.0%}", f"0 to {delay}" if delay else "0", *counts, *ratios])
+        print_row([arena, f"{loss:.0%}", f"0 to {delay}" if delay else "0", *counts, *ratios])
     return reached
 
 
@@ -279,9 +278,7 @@ def _path_stretch(some: Sequence[Outcome]) -> float:
 
 def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
     """Draw delivery and stretch over the loss: the mean, its 95 % confidence interval, and the targets."""
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = panels(2)
     for index, (arena, delay) in enumerate(product(ARENAS, DELAYS)):
         places = np.arange(len(LOSSES)) + 0.09 * (index - 1.5)
         groups = [_of(outcomes, arena, loss, delay) for loss in LOSSES]
@@ -298,8 +295,8 @@ def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
             axes.errorbar(places, means, bounds, capsize=3, lw=1.2, label=label, **style)
     for place, loss in enumerate(LOSSES):
         if loss in TARGETS:
-            left.hlines(100.0 * TARGETS[loss], place - 0.35, place + 0.35, color="#555555", ls="--", lw=1)
-    right.axhline(STRETCH_TARGET, color="#555555", ls="--", lw=1)
+            left.hlines(100.0 * TARGETS[loss], place - 0.35, place + 0.35, **TARGET)
+    right.axhline(STRETCH_TARGET, **TARGET)
     left.set_ylabel("packets delivered [%]")
     right.set_ylabel("hops of the route / least number of hops")
     left.set_title("delivery between connected robots", fontsize=10)
@@ -307,23 +304,15 @@ def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
     for axes in (left, right):
         axes.set_xticks(range(len(LOSSES)), [f"{loss:.0%}" for loss in LOSSES])
         axes.set_xlabel("frames lost per receiver")
-        axes.grid(axis="y", color="#DDDDDD", lw=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
-    handles, labels = left.get_legend_handles_labels()
-    left.plot([], [], color="#555555", ls="--", lw=1, label="target")
+    left.plot([], [], **TARGET, label="target")
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5, fontsize=8, frameon=False)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, format="png", metadata={"Software": None})
+    save(figure, file)
 
 
 def _presence(tick: int, position: FloatArray) -> Presence:
     zeros = np.zeros((2, 2))
     return Presence(position, zeros[0], zeros, 0.0, tick, 1, is_beacon=False, mode=0, epoch=0, digest=0)
-
-
-def _print_row(cells: Sequence[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

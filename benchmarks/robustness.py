@@ -27,7 +27,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
+from drawing import draw_groups, explain, panels, save
 from robustness_watch import SplitWatch
+from run_log import Result, RunLog
+from tables import number, print_head, print_row
 
 from bringup.arguments import EngineKind
 from bringup.compose import ScenarioActors
@@ -45,7 +48,6 @@ from swarm_msgs_py.types import NodeId, robot_name
 from swarm_sim.config import Backend
 from swarm_sim.metrics.trace import TraceRecorder
 
-Result = dict[str, Any]
 SHAPES = ("formation_1", "formation_2", "formation_3", "formation_4")
 KILLED_SHARE, KILLED_BEACONS = 0.2, 3
 KILLED_FROM_S, KILLED_TO_S = 10.0, 110.0  # the last ones when most robots are parked
@@ -67,6 +69,7 @@ class Variant:
 
 
 BASE = "no loss, no delay"
+AGREED_MAX_S = 10.0  # from the merge of two networks to one agreed assignment
 VARIANTS = (
     Variant("loss", BASE, "formation-50"),
     Variant("loss", "loss 0 %, delay", "formation-50", ("delay_ticks_max=1",), 1.0),
@@ -79,12 +82,10 @@ COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
     "runs": lambda runs: str(len(runs)),
     "achieved": lambda runs: str(sum(run["achieved"] for run in runs)),
     "collisions": lambda runs: str(sum(run["collisions"] for run in runs)),
-    "least gap [m]": lambda runs: _number(min(run["min_clearance_m"] for run in runs), 3),
+    "least gap [m]": lambda runs: number(min(run["min_clearance_m"] for run in runs), 3),
     "settling, mean / worst [s]": lambda runs: _mean_and_worst(runs, "settling_time_s"),
     "displacement / bound": lambda runs: _mean_and_worst(runs, "displacement_ratio", 3),
-    "neighborhood peak [kbit/s]": lambda runs: _number(
-        max(run["radio_neighborhood_peak_bps"] for run in runs) / 1000.0
-    ),
+    "neighborhood peak [kbit/s]": lambda runs: number(max(run["radio_neighborhood_peak_bps"] for run in runs) / 1000.0),
 }
 SPLIT_COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
     "longest split, mean / worst [s]": lambda runs: _mean_and_worst(runs, "longest_split_s"),
@@ -117,8 +118,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run what is missing, print tables, and return the exit code: 1 when a run failed, 130 after Ctrl-C."""
     options = _parser().parse_args(arguments)
     tasks = list(_tasks(options))
-    done = _read(options.out)
-    missing = [task for task in tasks if task.key not in done]
+    log = RunLog(options.out, _key_of)
+    missing = [task for task in tasks if task.key not in log.results]
     try:
         with Progress(
             TextColumn("{task.description}"),
@@ -129,17 +130,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ) as progress:
             bar = progress.add_task("runs", total=len(tasks), completed=len(tasks) - len(missing))
             for task, result in _completed(missing, 1 if options.engine == "ros" else options.processes):
-                done[task.key] = result
-                _append(options.out, result)
+                log.add(result)
                 progress.update(bar, advance=1, description=f"{task.variant}, seed {task.seed}")
     except KeyboardInterrupt:
         print("interrupted; the table has what was done", file=sys.stderr)
-        _print_tables(tasks, done)
+        _print_tables(tasks, log.results)
         return 130
     except ConfigError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    return 0 if _print_tables(tasks, done) else 1
+    succeeded = _print_tables(tasks, log.results)
+    if options.figure is not None:
+        _draw([log.results[task.key] for task in tasks], options.figure)
+    return 0 if succeeded else 1
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -152,6 +155,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any setting")
     parser.add_argument("--out", type=Path, help="file of results, one line of JSON per run; what it has is not rerun")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="at a time; ROS runs go one by one")
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="where to draw the results, a PNG")
     return parser
 
 
@@ -167,6 +171,10 @@ def _tasks(options: argparse.Namespace) -> Iterator[Task]:
             yield Task(
                 variant.name, seed, options.engine, options.physics, settings, variant.experiment, variant.scenario
             )
+
+
+def _key_of(result: Result) -> str:
+    return Task(**{name: result[name] for name in Task.__dataclass_fields__}).key
 
 
 def _completed(tasks: Sequence[Task], processes: int) -> Iterator[tuple[Task, Result]]:
@@ -247,27 +255,6 @@ def _engine(task: Task, actors: ScenarioActors) -> Engine:
     return RosEngine(actors)
 
 
-def _read(path: Path | None) -> dict[str, Result]:
-    """Return the results that a file has; a line that a crash cut off is left out."""
-    results: dict[str, Result] = {}
-    if path is None or not path.exists():
-        return results
-    for line in path.read_text(encoding="utf-8").splitlines():
-        try:
-            result = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        task = Task(**{name: result[name] for name in Task.__dataclass_fields__})
-        results[task.key] = result
-    return results
-
-
-def _append(path: Path | None, result: Result) -> None:
-    if path is not None:
-        with path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(result) + "\n")
-
-
 def _print_tables(tasks: Sequence[Task], done: dict[str, Result]) -> bool:
     """Print a table per experiment; return whether all runs are there and were achieved without a collision."""
     results = [done[task.key] for task in tasks if task.key in done]
@@ -285,8 +272,7 @@ def _print_table(experiment: str, results: Sequence[Result]) -> None:
     columns = {**COLUMNS, **(SPLIT_COLUMNS if experiment == "split" else {})}
     ratios = ["x without loss", "target"] if experiment == "loss" else []
     print(f"\n### {experiment}: {results[0]['scenario']}, {results[0]['engine']}, {results[0]['physics']}\n")
-    _print_row(["variant", *columns, *ratios])
-    _print_row(["---"] * (1 + len(columns) + len(ratios)))
+    print_head(["variant", *columns, *ratios])
     variants = [variant for variant in VARIANTS if variant.experiment == experiment]
     base = {run["seed"]: run["settling_time_s"] for run in results if run["variant"] == BASE}
     for variant in variants:
@@ -295,8 +281,45 @@ def _print_table(experiment: str, results: Sequence[Result]) -> None:
             continue
         cells = [variant.name, *(column(runs) for column in columns.values())]
         if ratios:
-            cells += [_ratio(runs, base), _number(variant.ratio_max)]
-        _print_row(cells)
+            cells += [_ratio(runs, base), number(variant.ratio_max)]
+        print_row(cells)
+
+
+def _draw(results: Sequence[Result], file: Path) -> None:
+    """Draw a panel for each experiment that there are results of."""
+    by_variant = {name: [run for run in results if run["variant"] == name] for name in (v.name for v in VARIANTS)}
+    base = {run["seed"]: run["settling_time_s"] for run in by_variant[BASE]}
+    slowness = {
+        v.name: [
+            run["settling_time_s"] / base[run["seed"]]
+            for run in by_variant[v.name]
+            if run["settling_time_s"] is not None and base.get(run["seed"]) is not None
+        ]
+        for v in VARIANTS
+        if v.experiment == "loss" and v.name != BASE
+    }
+    kills = {
+        name: [run["settling_time_s"] for run in by_variant[name] if run["settling_time_s"] is not None]
+        for name in (BASE, "20 % killed")
+    }
+    agreed = [run["agreed_after_s"] for run in by_variant["split and merge"] if run["agreed_after_s"] is not None]
+    targets = {v.name: v.ratio_max for v in VARIANTS}
+    shown = [
+        ("settling / that of the same seed without loss", slowness, targets),
+        ("settling [s], robots dying", kills, {}),
+        ("from merge to one agreed assignment [s]", {"split and merge": agreed}, {"split and merge": AGREED_MAX_S}),
+    ]
+    shown = [panel for panel in shown if any(panel[1].values())]
+    figure, axes = panels(len(shown))
+    for one, (title, groups, limits) in zip(axes, shown, strict=True):
+        draw_groups(
+            one,
+            title,
+            {name.replace(", ", "\n"): v for name, v in groups.items()},
+            {name.replace(", ", "\n"): limit for name, limit in limits.items()},
+        )
+    explain(figure, axes[0])
+    save(figure, file)
 
 
 def _ratio(runs: Sequence[Result], base: dict[int, float | None]) -> str:
@@ -319,14 +342,6 @@ def _mean_and_worst(runs: Sequence[Result], name: str, digits: int = 1) -> str:
 def _worst_low(runs: Sequence[Result], name: str) -> str:
     values = [run[name] for run in runs if run[name] is not None]
     return f"{min(values):.2f}" if values else "-"
-
-
-def _number(value: float | None, digits: int = 1) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def _print_row(cells: Sequence[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

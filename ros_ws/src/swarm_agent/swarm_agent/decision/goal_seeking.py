@@ -7,6 +7,7 @@ import numpy as np
 from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
+from swarm_agent.decision.departure import early_destination
 from swarm_agent.decision.offering import RowOffers
 from swarm_agent.decision.strategy import Decision
 from swarm_agent.planning.config import PlanningConfig
@@ -74,7 +75,8 @@ class GoalSeeking:
         self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
         self._in_touch_at = 0  # last tick in which the robot had a goal, or a way to hear of one
-        self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one
+        self._destination: FloatArray | None = None  # the last goal taken, or where to set out for until there is one
+        self._contour = np.empty((0, 2))  # the shape of the plan in force
 
     def step(self, tick: int, position: FloatArray, takes_part: bool = True) -> Decision:
         """Return where to go; sends the own cost row when the plan or the membership makes it necessary.
@@ -94,8 +96,7 @@ class GoalSeeking:
             target = self._rally_point if searching else None
             return Decision(-1, target, Mode.SEARCHING if searching else Mode.WAITING, self._first_map)
         if plan.epoch != self._epoch:
-            self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
-            self._is_undecided = True
+            self._begin(tick, plan, position)
         self._offers.step(tick, plan, position, self._goal, takes_part=takes_part)
         self._decide(tick, plan)
         if not takes_part:
@@ -104,11 +105,21 @@ class GoalSeeking:
             self._destination = plan.goals[self._goal]
             return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
         if self._is_undecided:
-            # Until the rows for a new plan are complete, what the old one wanted is the best guess (spec 11.5).
             return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
         if self._is_stranded(tick):
             return Decision(-1, self._rally_point, Mode.SEARCHING, plan.obstacles)
         return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
+
+    def _begin(self, tick: int, plan: Plan, position: FloatArray) -> None:
+        """Take note of a new plan.
+
+        Until its rows are complete, what the old plan wanted is the best guess if the shape is the same (spec 11.5).
+        """
+        self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
+        self._is_undecided = True
+        if self._destination is None or not np.array_equal(plan.contour, self._contour):
+            self._destination = early_destination(position, plan.goals[plan.goal_types == self._type.type])
+        self._contour = plan.contour
 
     def _is_stranded(self, tick: int) -> bool:
         """Return whether this plan has no goal for the robot, and no newer one can reach it where it is."""
