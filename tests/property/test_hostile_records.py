@@ -56,7 +56,9 @@ records = st.one_of(
     rows,
     st.lists(rows, max_size=3).map(lambda some: RowBundle(tuple(some))),
     st.builds(RowRequest, epochs, st.lists(st.tuples(ids, versions), max_size=3).map(tuple)),
-    st.builds(Report, ids, types, epochs, st.integers(-3, 3), st.tuples(coordinates, coordinates), types),
+    st.builds(
+        Report, ids, types, epochs, st.integers(-3, 3), st.tuples(coordinates, coordinates), types, st.floats(0.0, 1e4)
+    ),
 )
 presences = st.builds(
     Presence,

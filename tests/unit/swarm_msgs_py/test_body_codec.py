@@ -78,8 +78,17 @@ def test_row_bundle_survives_the_air() -> None:
 
 @pytest.mark.parametrize("goal", [-1, 0, 49])
 def test_report_survives_the_air(goal: int) -> None:
-    report = Report(NodeId(4), 1, 70000, goal, (1.5, -2.5), 3)
+    report = Report(NodeId(4), 1, 70000, goal, (1.5, -2.5), 3, 0.25)
 
+    assert decode_body(encode_body(report)) == report
+
+
+@pytest.mark.parametrize(("sigma", "heard"), [(0.0, 0.0), (0.231, 0.24), (0.24, 0.24), (1e4, 655.35), (np.inf, 655.35)])
+def test_nobody_thinks_a_reported_place_more_certain_than_it_is(sigma: float, heard: float) -> None:
+    report = decode_body(encode_body(Report(NodeId(4), 1, 1, 0, (0.0, 0.0), 3, sigma)))
+
+    assert isinstance(report, Report)
+    assert report.sigma == pytest.approx(heard)
     assert decode_body(encode_body(report)) == report
 
 
@@ -98,8 +107,8 @@ def test_receivers_share_one_read_only_record() -> None:
         make_row(costs=(-1,)),
         make_row(costs=(65536,)),
         make_row(version=65536),
-        Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0),
-        Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0),
+        Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0, 0.1),
+        Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0, 0.1),
         Plan(1, np.full((3, 2), np.inf), (), TRIANGLE, np.array([1, 1, 1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
@@ -118,7 +127,7 @@ def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
         (b"\x63", "unknown kind"),
         (encode_body(make_row()) + b"\x00", "1 bytes too many"),
         (encode_body(make_row())[:-1], "ends early"),
-        (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))[:-5] + b"\x00\x00\xc0\x7f\x00", "finite"),
+        (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0, 0.1))[:-7] + b"\x00\x00\xc0\x7f\x00\x0a\x00", "finite"),
     ],
     ids=["empty", "kind", "long", "short", "nan"],
 )
@@ -172,10 +181,10 @@ def test_the_size_of_a_row_is_what_it_adds_to_a_bundle() -> None:
 @pytest.mark.parametrize("x", [2e6, -1e30, float("inf"), float("nan")])
 def test_absurd_coordinates_are_refused_on_both_ends(x: float) -> None:
     far = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, x]])
-    near = encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))
+    near = encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0, 0.1))
 
-    for body in (Plan(1, far, (), TRIANGLE, np.ones(3, dtype=np.int64)), Report(NodeId(1), 1, 1, 0, (0.0, x), 0)):
+    for body in (Plan(1, far, (), TRIANGLE, np.ones(3, dtype=np.int64)), Report(NodeId(1), 1, 1, 0, (0.0, x), 0, 0.1)):
         with pytest.raises(FrameError, match="not finite, or beyond"):
             encode_body(body)
     with pytest.raises(FrameError, match="not finite, or beyond"):
-        decode_body(near[:-5] + struct.pack("<f", x) + near[-1:])
+        decode_body(near[:-7] + struct.pack("<f", x) + near[-3:])

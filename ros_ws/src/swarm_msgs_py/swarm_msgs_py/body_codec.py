@@ -28,8 +28,10 @@ _PLAN = struct.Struct("<IHHHBii")  # epoch; points of the contour, obstacles, go
 _ROW = struct.Struct("<IHBHH")  # epoch, robot, type, version; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
 _COST_SIZE = 2
-_REPORT = struct.Struct("<HBIhffB")  # robot, type, epoch, goal, x, y, mode
+_REPORT = struct.Struct("<HBIhffBH")  # robot, type, epoch, goal, x, y, mode; sigma [cm]
 _CM_PER_M = 100.0
+_SIGMA_MAX = 0xFFFF  # [cm]
+_ROUNDING = 1e-6  # [cm]; what was decoded is encoded as the same number
 _OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
 _DOUBLINGS_MAX = 16
 
@@ -71,7 +73,8 @@ def _encode(body: Body) -> bytes:
     if isinstance(body, RowBundle):
         return _KIND.pack(_BUNDLE_KIND) + packed(_COUNT, len(body.rows)) + b"".join(map(_encode_row, body.rows))
     packed_points([body.position])  # refuses what is not finite
-    fields = (body.robot, body.robot_type, body.epoch, body.goal, *body.position, body.mode)
+    sigma = math.ceil(min(body.sigma * _CM_PER_M - _ROUNDING, _SIGMA_MAX))  # who receives it may trust it too little
+    fields = (body.robot, body.robot_type, body.epoch, body.goal, *body.position, body.mode, sigma)
     return _KIND.pack(_REPORT_KIND) + packed(_REPORT, *fields)
 
 
@@ -171,9 +174,9 @@ def _decode_bundle(reader: Reader) -> RowBundle:
 
 
 def _decode_report(reader: Reader) -> Report:
-    robot, robot_type, epoch, goal, x, y, mode = reader.fields(_REPORT)
+    robot, robot_type, epoch, goal, x, y, mode, sigma = reader.fields(_REPORT)
     checked(np.array([x, y]))
-    return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode)
+    return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode, sigma / _CM_PER_M)
 
 
 _DECODERS: dict[int, Callable[[Reader], Body]] = {

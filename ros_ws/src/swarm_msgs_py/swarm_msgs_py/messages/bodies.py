@@ -115,6 +115,8 @@ class Report:
         Own estimate [m].
     mode : int
         Value of the robot's mode.
+    sigma : float
+        Standard deviation of that position, root mean square of both axes [m].
     """
 
     robot: NodeId
@@ -123,6 +125,7 @@ class Report:
     goal: int
     position: tuple[float, float]
     mode: int
+    sigma: float
 
 
 Body = Plan | CostRow | RowRequest | RowBundle | Report
