@@ -12,14 +12,20 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import fmean
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
 from drawing import draw_groups, explain, panels, save
-from run_log import RunLog
+from result_file import open_results
 from tables import number, print_head, print_row
+
+from bringup.results import FormationMetrics
+from studies.campaign import ResultFile
+from swarm_msgs_py.errors import ConfigError
 
 SHAPES = ("formation_1", "formation_2", "formation_3", "formation_4")
 LAUNCHER = Path(__file__).resolve().parents[1] / "scripts" / "launch_swarm.py"
@@ -66,6 +72,7 @@ QUALITY_COLUMNS: dict[str, Callable[[Metrics], str]] = {
     "peak around a radio [kbit/s]": lambda m: number(m["radio_neighborhood_peak_bps"] / 1000.0),
 }
 
+METRICS = frozenset({"shape", *(field.name for field in fields(FormationMetrics))})
 QUALITY_FIGURES: dict[str, tuple[Callable[[Metrics], float | None], float]] = {
     "displacement / bound": (lambda m: m["displacement_ratio"], 1.15),
     "settling / bottleneck": (_slowness, 1.35),
@@ -85,9 +92,14 @@ SPEED_COLUMNS: dict[str, Callable[[Metrics], str]] = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the benchmark and return the exit code: 1 when a run did not reach its mission."""
     options = _parser().parse_args(arguments)
+    try:
+        file = open_results(options.out)
+    except ConfigError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     complete = True
     if options.table in {"quality", "both"}:
-        rows = _quality(options.scenario, options.seeds, RunLog(options.out, _key_of))
+        rows = _quality(options.scenario, options.seeds, file)
         complete &= all(metrics["achieved"] and not metrics["collisions"] for metrics in rows)
         if options.figure is not None:
             _draw(rows, options.figure)
@@ -106,23 +118,24 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _key_of(metrics: Metrics) -> str:
-    return f"{metrics['scenario']}, {metrics['shape']}, seed {metrics['seed']}"
-
-
-def _quality(scenario: str, seeds: Sequence[int], log: RunLog) -> list[Metrics]:
+def _quality(scenario: str, seeds: Sequence[int], file: ResultFile) -> list[Metrics]:
     """Print one row per seed, on the ROS engine, the shapes in turn; return what the rows are of."""
     print(f"\n### Quality: {scenario}, ROS engine, PyBullet\n")
     print_head(list(QUALITY_COLUMNS))
-    rows = []
+    rows: list[Metrics] = []
+    keys: list[str] = []
     for seed in seeds:
-        wanted = {"scenario": scenario, "shape": SHAPES[(seed - 1) % len(SHAPES)], "seed": seed}
-        if _key_of(wanted) not in log.results:
-            options = (*SPEED_CASES[0].options, "--shape", wanted["shape"])
-            log.add(_run(scenario, seed, options) | wanted)
-        metrics = log.results[_key_of(wanted)]
+        shape = SHAPES[(seed - 1) % len(SHAPES)]
+        key = f"{scenario}, {shape}, seed {seed}"
+        if not file.records.get(key, {}).keys() >= METRICS:  # missing, or of a launcher that measured less
+            options = (*SPEED_CASES[0].options, "--shape", shape)
+            file.append(key, _run(scenario, seed, options) | {"shape": shape})
+        metrics = dict(file.records[key])
         print_row([column(metrics) for column in QUALITY_COLUMNS.values()])
         rows.append(metrics)
+        keys.append(key)
+    if warning := file.warning(keys):
+        print(f"\n**{warning}**")
     achieved = sum(metrics["achieved"] for metrics in rows)
     collisions = sum(metrics["collisions"] for metrics in rows)
     print(f"\n{achieved} of {len(rows)} achieved, {collisions} collisions; means and worst:")

@@ -6,8 +6,13 @@ receiver on its own. In each tick some robots send a packet to others.
 
 A packet counts if its two ends were connected (by any number of links over other robots) when it was sent and in every
 tick after that until it arrived, or for 15 s. It was delivered if it arrived within these 15 s.
-"Route stretch" compares the hops of the route that the sender's table held when it sent with the least number at that
-instant; "path stretch" does so with the hops that the delivered packet really took.
+
+The table's columns: "delivered" is the share of the packets that count, "worst run" the least of any run. "No route" is
+the share whose sender had no usable route when it sent; they count as any others, and wait for one if the route has
+broken lately. "Route stretch" is over the packets with a route: the hops that the sender's table claimed, or the least
+number that were needed at that instant if the claim is lower (so short a path does not exist any more, and no stale
+claim makes up for a detour), summed, over the sum of the least numbers. "Path stretch" compares the hops that the
+delivered packets really took with the least number when they were sent. "Latency" is the mean time to arrive.
 
 Prints a Markdown table; ``--figure FILE`` draws it. Ctrl-C prints what was done, and draws nothing.
 """
@@ -78,6 +83,7 @@ class Outcome:
 
     counted: int
     delivered: int
+    no_route: int
     route_hops: int
     route_needed: int
     path_hops: int
@@ -164,7 +170,8 @@ def _sums(counted: Sequence[_Sent]) -> Outcome:
     return Outcome(
         counted=len(counted),
         delivered=len(delivered),
-        route_hops=sum(entry.route or 0 for entry in routed),
+        no_route=len(counted) - len(routed),
+        route_hops=sum(max(entry.route or 0, entry.needed) for entry in routed),
         route_needed=sum(entry.needed for entry in routed),
         path_hops=sum(entry.path for entry in delivered),
         path_needed=sum(entry.needed for entry in delivered),
@@ -247,8 +254,8 @@ def _of(outcomes: dict[Case, Outcome], arena: str, loss: float, delay: int) -> l
 
 def _print_table(outcomes: dict[Case, Outcome]) -> bool:
     """Print one row per case, and return whether all targets were met."""
-    names = ("arena", "loss", "delay [ticks]", "runs", "packets", "delivered", "worst run", "route stretch")
-    print_head([*names, "path stretch", "latency [ticks]"])
+    names = ("arena", "loss", "delay [ticks]", "runs", "packets", "delivered", "worst run", "no route")
+    print_head([*names, "route stretch", "path stretch", "latency [ticks]"])
     reached = True
     for arena, loss, delay in product(ARENAS, LOSSES, DELAYS):
         some = _of(outcomes, arena, loss, delay)
@@ -259,7 +266,11 @@ def _print_table(outcomes: dict[Case, Outcome]) -> bool:
         latency = sum(o.latency_ticks for o in some) / sum(o.delivered for o in some)
         worst = min(_delivery([o]) for o in some)
         counts = str(len(some)), str(sum(o.counted for o in some))
-        ratios = f"{delivery:.2%}", f"{worst:.1%}", f"{route:.3f}", f"{path:.3f}", f"{latency:.1f}"
+        no_route = sum(o.no_route for o in some) / sum(o.counted for o in some)
+        ratios = (
+            *(f"{delivery:.2%}", f"{worst:.1%}", f"{no_route:.2%}"),
+            *(f"{route:.3f}", f"{path:.3f}", f"{latency:.1f}"),
+        )
         print_row([arena, f"{loss:.0%}", f"0 to {delay}" if delay else "0", *counts, *ratios])
     return reached
 

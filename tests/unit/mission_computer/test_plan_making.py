@@ -102,6 +102,7 @@ def test_bodies_are_obstacles_of_the_plan_beside_those_of_the_map(maker: PlanMak
     assert len(plan.obstacles) == 2
     np.testing.assert_array_equal(plan.obstacles[0], first.obstacles[0])
     np.testing.assert_array_equal(plan.obstacles[1], body_outline((4.0, 4.0), SMALL.coverage_radius_m))
+    assert (first.bodies, plan.bodies) == (0, 1)
     assert len(plan.goals) == 7
 
 

@@ -361,3 +361,15 @@ def test_who_has_no_goal_but_a_route_to_the_mission_computer_stays(monkeypatch: 
     modes = {mind.strategy.step(tick, np.array([90.0, 0.0])).mode for tick in range(60)}
 
     assert modes == {Mode.UNASSIGNED}
+
+
+def test_who_loses_its_goal_to_a_new_plan_waits_for_a_newer_one_before_it_goes_to_meet_others() -> None:
+    mind = Mind()
+    mind.consensus.book.adopt(make_plan(np.array([NEAR])))
+    ticks = round(CONFIG.rally_after_s / PERIOD)
+    assert [mind.strategy.step(tick, ORIGIN).goal for tick in range(5 * ticks)][-1] == 0
+    mind.consensus.book.adopt(make_plan(np.array([NEAR]), types=[2], epoch=2))
+
+    modes = [mind.strategy.step(tick, ORIGIN).mode for tick in range(5 * ticks, 6 * ticks + 2)]
+
+    assert modes == [Mode.UNASSIGNED] * ticks + [Mode.SEARCHING] * 2

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,6 +93,24 @@ def test_nobody_thinks_a_reported_place_more_certain_than_it_is(sigma: float, he
     assert decode_body(encode_body(report)) == report
 
 
+def test_a_plan_tells_bodies_from_walls() -> None:
+    wall, body = TRIANGLE + 10.0, TRIANGLE - 10.0
+
+    for bodies, walls in ((0, 2), (1, 1), (2, 0)):
+        plan = decode_body(encode_body(replace(make_plan(), obstacles=(wall, body), bodies=bodies)))
+        assert isinstance(plan, Plan)
+        assert [len(plan.walls), len(plan.body_outlines)] == [walls, bodies]
+        assert_array_equal(np.concatenate([*plan.walls, *plan.body_outlines]), np.concatenate([wall, body]))
+
+
+def test_a_plan_with_more_bodies_than_obstacles_is_refused() -> None:
+    data = bytearray(encode_body(make_plan()))
+    struct.pack_into("<H", data, 1 + 4 + 2 + 2, 3)  # after kind, epoch, contour, obstacles
+
+    with pytest.raises(FrameError, match="3 bodies among 2 obstacles"):
+        decode_body(bytes(data))
+
+
 def test_receivers_share_one_read_only_record() -> None:
     data = encode_body(make_plan())
     first = decode_body(data)
@@ -111,9 +130,22 @@ def test_receivers_share_one_read_only_record() -> None:
         Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0, 0.1),
         Plan(1, np.full((3, 2), np.inf), (), TRIANGLE, np.array([1, 1, 1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1])),
+        Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), 2),
+        Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), -1),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
     ],
-    ids=["negative cost", "cost", "version", "nan", "goal", "infinite contour", "types missing", "type"],
+    ids=[
+        "negative cost",
+        "cost",
+        "version",
+        "nan",
+        "goal",
+        "infinite contour",
+        "types missing",
+        "too many bodies",
+        "negative bodies",
+        "type",
+    ],
 )
 def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
     with pytest.raises(FrameError):
@@ -144,7 +176,7 @@ def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_redu
         encode_body(plan)
 
     text = str(caught.value)
-    assert f"Plan of {1 + 19 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
+    assert f"Plan of {1 + 21 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
     assert "16000 goals of 5 bytes, 3 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer goals" in text
     assert "\n" not in text
 

@@ -111,7 +111,8 @@ class PlanMaker:
 
     def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
         """Return a plan that fits a radio packet; one that does not is an error before anything is remembered."""
-        plan = Plan(epoch, contour, self._obstacles + self._bodies(lost), goals.positions, goals.types)
+        bodies = self._bodies(lost)
+        plan = Plan(epoch, contour, self._obstacles + bodies, goals.positions, goals.types, len(bodies))
         encode_body(plan)
         return plan
 

@@ -24,7 +24,7 @@ from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 _KIND = struct.Struct("<B")
 _COUNT = struct.Struct("<H")
-_PLAN = struct.Struct("<IHHHBii")  # epoch; points of the contour, obstacles, goals; log2 of the step [cm]; origin
+_PLAN = struct.Struct("<IHHHHBii")  # epoch; contour, obstacles, bodies, goals; log2 of the step [cm]; origin
 _ROW = struct.Struct("<IHBHH")  # epoch, robot, type, version; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
 _COST_SIZE = 2
@@ -78,6 +78,11 @@ def _encode(body: Body) -> bytes:
     return _KIND.pack(_REPORT_KIND) + packed(_REPORT, *fields)
 
 
+def is_urgent(data: bytes) -> bool:
+    """Return whether these are the bytes of a body that everybody waits for: a plan, without which rows say nothing."""
+    return data[:1] == _KIND.pack(_PLAN_KIND)
+
+
 @lru_cache(maxsize=2048)
 def decode_body(data: bytes) -> Body:
     """Return the record that `data` stands for; shared, read-only.
@@ -110,11 +115,12 @@ def _advice(plan: Plan) -> str:
 def _encode_plan(plan: Plan) -> bytes:
     if len(plan.goal_types) != len(plan.goals):
         raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
+    _check_bodies(plan.bodies, len(plan.obstacles))
     groups = (plan.contour, *plan.obstacles, plan.goals)
     doublings, steps = _in_steps(checked(np.concatenate([np.reshape(group, (-1, 2)) for group in groups])))
     origin = steps.min(axis=0) if len(steps) else np.zeros(2, dtype=np.int64)
     contour, *obstacles, goals = np.split(steps - origin, np.cumsum([len(group) for group in groups])[:-1])
-    counts = len(contour), len(obstacles), len(goals)
+    counts = len(contour), len(obstacles), plan.bodies, len(goals)
     parts = [packed(_PLAN, plan.epoch, *counts, doublings, *origin.tolist()), packed_integers(contour, "<u2")]
     for obstacle in obstacles:
         parts += [packed(_COUNT, len(obstacle)), packed_integers(obstacle, "<u2")]
@@ -137,7 +143,8 @@ def _in_steps(points: FloatArray) -> tuple[int, IntArray]:
 
 
 def _decode_plan(reader: Reader) -> Plan:
-    epoch, corners, obstacles, goals, doublings, *origin = reader.fields(_PLAN)
+    epoch, corners, obstacles, bodies, goals, doublings, *origin = reader.fields(_PLAN)
+    _check_bodies(bodies, obstacles)
     if doublings > _DOUBLINGS_MAX:
         raise FrameError(f"a step of 2^{doublings} cm")
 
@@ -148,7 +155,12 @@ def _decode_plan(reader: Reader) -> Plan:
     contour = points(corners)
     polygons = tuple(points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
     places = points(goals)
-    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)))
+    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)), bodies)
+
+
+def _check_bodies(bodies: int, obstacles: int) -> None:
+    if not 0 <= bodies <= obstacles:
+        raise FrameError(f"{bodies} bodies among {obstacles} obstacles")
 
 
 def _encode_row(row: CostRow) -> bytes:

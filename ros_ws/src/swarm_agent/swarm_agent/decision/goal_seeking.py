@@ -74,7 +74,7 @@ class GoalSeeking:
         self._goal = -1
         self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
-        self._in_touch_at = 0  # last tick in which the robot had a goal, or a way to hear of one
+        self._in_touch_at = 0  # last tick that began with a goal of this robot, or with a way to hear of one
         self._destination: FloatArray | None = None  # the last goal taken, or where to set out for until there is one
         self._contour = np.empty((0, 2))  # the shape of the plan in force
 
@@ -91,6 +91,8 @@ class GoalSeeking:
             had stays reserved, and is its own again when it is back. Without a plan it looks for one all the same.
         """
         plan = self._consensus.plan
+        if self._goal >= 0 or MISSION in self._mesh.reachable:
+            self._in_touch_at = tick
         if plan is None:
             searching = tick >= self._rally_after
             target = self._rally_point if searching else None
@@ -106,7 +108,7 @@ class GoalSeeking:
             return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
         if self._is_undecided:
             return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
-        if self._is_stranded(tick):
+        if tick - self._in_touch_at >= self._rally_after:  # no newer plan can reach the robot where it is
             return Decision(-1, self._rally_point, Mode.SEARCHING, plan.obstacles)
         return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
 
@@ -120,12 +122,6 @@ class GoalSeeking:
         if self._destination is None or not np.array_equal(plan.contour, self._contour):
             self._destination = early_destination(position, plan.goals[plan.goal_types == self._type.type])
         self._contour = plan.contour
-
-    def _is_stranded(self, tick: int) -> bool:
-        """Return whether this plan has no goal for the robot, and no newer one can reach it where it is."""
-        if self._goal >= 0 or MISSION in self._mesh.reachable:
-            self._in_touch_at = tick
-        return tick - self._in_touch_at >= self._rally_after
 
     def _decide(self, tick: int, plan: Plan) -> None:
         """Take the goal that the assignment gives, once the rows are complete or patience is over.

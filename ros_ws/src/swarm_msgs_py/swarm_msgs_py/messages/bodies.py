@@ -23,6 +23,9 @@ class Plan:
         Goal positions [m]; the row number is the goal's id.
     goal_types : (n,) int array
         Type of robot that each goal is made for.
+    bodies : int
+        How many of the obstacles, the last ones, are bodies of lost robots. They are about there; a wall stands where
+        the map has it.
     """
 
     epoch: int
@@ -30,6 +33,17 @@ class Plan:
     obstacles: tuple[FloatArray, ...]
     goals: FloatArray
     goal_types: IntArray
+    bodies: int = 0
+
+    @property
+    def walls(self) -> tuple[FloatArray, ...]:
+        """The obstacles of the map."""
+        return self.obstacles[: len(self.obstacles) - self.bodies]
+
+    @property
+    def body_outlines(self) -> tuple[FloatArray, ...]:
+        """The obstacles that are bodies."""
+        return self.obstacles[len(self.obstacles) - self.bodies :]
 
 
 EPOCH_LEAP_MAX = 2**20
