@@ -107,6 +107,24 @@ def test_a_plan_overtakes_everything_that_waits_at_every_radio_on_its_way() -> N
     assert [packet.number for packet in sent if packet is not None] == [3, 1, 2]
 
 
+@pytest.mark.parametrize(("crowd", "relays"), [(3, True), (30, False)])
+def test_a_plan_is_relayed_once_more_than_needed_unless_there_is_a_crowd(crowd: int, relays: bool) -> None:
+    """All neighbors are said to have heard the transmitter, which may have been true a moment ago."""
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]])
+    plan = encode_body(Plan(7, square, (), square, np.array([1, 1, 1])))
+    names = range(1, crowd + 1)
+    vicinity = make_vicinity(names, [(1, other) for other in names if other > 1])
+    sent = {b"": 0, plan: 0}
+    for body in sent:
+        for number in range(20):  # radios take turns
+            queue = FloodQueue(8)
+            queue.put(0, replace(make_packet(number), body=body), NodeId(1))
+            sent[body] += queue.next(9, vicinity, ONE_COPY) is not None
+
+    assert sent[b""] == 0
+    assert (sent[plan] > 0) == relays
+
+
 def test_a_packet_that_others_have_relayed_while_it_waited_is_given_up() -> None:
     queue = FloodQueue(8)
     queue.put(0, make_packet(), NodeId(1))

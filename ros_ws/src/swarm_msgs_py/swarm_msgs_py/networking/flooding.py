@@ -18,8 +18,11 @@ FloodName = tuple[NodeId, int]
 
 _MISSES = 1e-2  # share of floods that a radio may miss; anti-entropy of the application repairs them
 _LOSS_MIN = 0.03  # less than this may be frames that are late, and is no cause for more copies
-_URGENT_COPIES = 1  # more of what all wait for: a radio that just got out of reach was counted on to relay it
 _LOSS_MAX = 0.5  # where more is lost, more copies would only take the channel
+
+_URGENT_COPIES, _FEW = 1, 20
+"""Copies more of what all wait for, where there are few neighbors: then it matters that one which has just got out of
+reach was counted on to relay it. In a crowd somebody else will, and the channel has no room for more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,7 +171,8 @@ class FloodQueue:
                 return self._sent(tick, name, policy)
             if entry.sent and tick < entry.since + policy.answer_ticks:
                 continue
-            copies = policy.copies + (_URGENT_COPIES if entry.is_urgent else 0)
+            is_doubled = entry.is_urgent and len(vicinity.neighbors) <= _FEW
+            copies = policy.copies + (_URGENT_COPIES if is_doubled else 0)
             is_wanted = entry.sent < policy.repeats and must_relay(
                 packet, entry.transmitters, vicinity, copies, entry.sent
             )
