@@ -6,8 +6,13 @@ receiver on its own. In each tick some robots send a packet to others.
 
 A packet counts if its two ends were connected (by any number of links over other robots) when it was sent and in every
 tick after that until it arrived, or for 15 s. It was delivered if it arrived within these 15 s.
-"Route stretch" compares the hops of the route that the sender's table held when it sent with the least number at that
-instant; "path stretch" does so with the hops that the delivered packet really took.
+
+The table's columns: "delivered" is the share of the packets that count, "worst run" the least of any run. "No route" is
+the share whose sender had no usable route when it sent; they count as any others, and wait for one if the route has
+broken lately. "Route stretch" is over the packets with a route: the hops that the sender's table claimed, or the least
+number that were needed at that instant if the claim is lower (so short a path does not exist any more, and no stale
+claim makes up for a detour), summed, over the sum of the least numbers. "Path stretch" compares the hops that the
+delivered packets really took with the least number when they were sent. "Latency" is the mean time to arrive.
 
 Prints a Markdown table; ``--figure FILE`` draws it. Ctrl-C prints what was done, and draws nothing.
 """
@@ -25,8 +30,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -34,6 +37,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import shortest_path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+
+from drawing import BLUE, TARGET, VERMILION, panels, save
+from tables import print_head, print_row
 
 from bringup.layout import walls
 from bringup.resolution import resolve
@@ -55,10 +61,9 @@ WARM_UP, MEASURED, FLIGHT = 20, 50, 30
 """Ticks to converge, to send packets in, and that a packet may take at most."""
 PACKETS_PER_TICK = 10
 ARENAS, LOSSES, DELAYS = ("open", "obstacles"), (0.0, 0.1, 0.3), (0, 1)
-COLORS = {"open": "#0072B2", "obstacles": "#D55E00"}  # Okabe-Ito: safe for color blindness
+COLORS = {"open": BLUE, "obstacles": VERMILION}
 TARGETS = {0.0: 0.99, 0.1: 0.95}
 STRETCH_TARGET = 1.05
-WIDTH_IN, HEIGHT_IN, DPI = 9.0, 3.9, 150
 
 
 @dataclass(frozen=True)
@@ -78,6 +83,7 @@ class Outcome:
 
     counted: int
     delivered: int
+    no_route: int
     route_hops: int
     route_needed: int
     path_hops: int
@@ -164,7 +170,8 @@ def _sums(counted: Sequence[_Sent]) -> Outcome:
     return Outcome(
         counted=len(counted),
         delivered=len(delivered),
-        route_hops=sum(entry.route or 0 for entry in routed),
+        no_route=len(counted) - len(routed),
+        route_hops=sum(max(entry.route or 0, entry.needed) for entry in routed),
         route_needed=sum(entry.needed for entry in routed),
         path_hops=sum(entry.path for entry in delivered),
         path_needed=sum(entry.needed for entry in delivered),
@@ -247,9 +254,8 @@ def _of(outcomes: dict[Case, Outcome], arena: str, loss: float, delay: int) -> l
 
 def _print_table(outcomes: dict[Case, Outcome]) -> bool:
     """Print one row per case, and return whether all targets were met."""
-    names = ("arena", "loss", "delay [ticks]", "runs", "packets", "delivered", "worst run", "route stretch")
-    _print_row([*names, "path stretch", "latency [ticks]"])
-    _print_row(["---"] * 10)
+    names = ("arena", "loss", "delay [ticks]", "runs", "packets", "delivered", "worst run", "no route")
+    print_head([*names, "route stretch", "path stretch", "latency [ticks]"])
     reached = True
     for arena, loss, delay in product(ARENAS, LOSSES, DELAYS):
         some = _of(outcomes, arena, loss, delay)
@@ -260,8 +266,12 @@ def _print_table(outcomes: dict[Case, Outcome]) -> bool:
         latency = sum(o.latency_ticks for o in some) / sum(o.delivered for o in some)
         worst = min(_delivery([o]) for o in some)
         counts = str(len(some)), str(sum(o.counted for o in some))
-        ratios = f"{delivery:.2%}", f"{worst:.1%}", f"{route:.3f}", f"{path:.3f}", f"{latency:.1f}"
-        _print_row([arena, f"{loss:.0%}", f"0 to {delay}" if delay else "0", *counts, *ratios])
+        no_route = sum(o.no_route for o in some) / sum(o.counted for o in some)
+        ratios = (
+            *(f"{delivery:.2%}", f"{worst:.1%}", f"{no_route:.2%}"),
+            *(f"{route:.3f}", f"{path:.3f}", f"{latency:.1f}"),
+        )
+        print_row([arena, f"{loss:.0%}", f"0 to {delay}" if delay else "0", *counts, *ratios])
     return reached
 
 
@@ -279,9 +289,7 @@ def _path_stretch(some: Sequence[Outcome]) -> float:
 
 def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
     """Draw delivery and stretch over the loss: the mean, its 95 % confidence interval, and the targets."""
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = panels(2)
     for index, (arena, delay) in enumerate(product(ARENAS, DELAYS)):
         places = np.arange(len(LOSSES)) + 0.09 * (index - 1.5)
         groups = [_of(outcomes, arena, loss, delay) for loss in LOSSES]
@@ -298,8 +306,8 @@ def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
             axes.errorbar(places, means, bounds, capsize=3, lw=1.2, label=label, **style)
     for place, loss in enumerate(LOSSES):
         if loss in TARGETS:
-            left.hlines(100.0 * TARGETS[loss], place - 0.35, place + 0.35, color="#555555", ls="--", lw=1)
-    right.axhline(STRETCH_TARGET, color="#555555", ls="--", lw=1)
+            left.hlines(100.0 * TARGETS[loss], place - 0.35, place + 0.35, **TARGET)
+    right.axhline(STRETCH_TARGET, **TARGET)
     left.set_ylabel("packets delivered [%]")
     right.set_ylabel("hops of the route / least number of hops")
     left.set_title("delivery between connected robots", fontsize=10)
@@ -307,23 +315,15 @@ def _draw(outcomes: dict[Case, Outcome], file: Path) -> None:
     for axes in (left, right):
         axes.set_xticks(range(len(LOSSES)), [f"{loss:.0%}" for loss in LOSSES])
         axes.set_xlabel("frames lost per receiver")
-        axes.grid(axis="y", color="#DDDDDD", lw=0.6)
-        axes.spines[["top", "right"]].set_visible(False)
-    handles, labels = left.get_legend_handles_labels()
-    left.plot([], [], color="#555555", ls="--", lw=1, label="target")
+    left.plot([], [], **TARGET, label="target")
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5, fontsize=8, frameon=False)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, format="png", metadata={"Software": None})
+    save(figure, file)
 
 
 def _presence(tick: int, position: FloatArray) -> Presence:
     zeros = np.zeros((2, 2))
     return Presence(position, zeros[0], zeros, 0.0, tick, 1, is_beacon=False, mode=0, epoch=0, digest=0)
-
-
-def _print_row(cells: Sequence[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

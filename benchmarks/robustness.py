@@ -4,6 +4,9 @@ Three experiments, each over seeds: `loss` (frames lost and delayed), `kills` (a
 that carry a position sensor among them, dies at random ticks) and `split` (an obstacle field parts the network, which
 merges again behind it). Every run has a process of its own. With ``--out FILE`` each finished run is appended to the
 file as a line of JSON, and runs that the file has are not run again; Ctrl-C keeps and prints what was done.
+
+Exit code 0: all runs were achieved without a collision and all targets are met; 1: the last lines say which are not;
+2: bad input; 130: interrupted.
 """
 
 from __future__ import annotations
@@ -14,85 +17,44 @@ import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from statistics import fmean
-from typing import Any
+from typing import Any, TypeGuard
 
-import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 
-from robustness_watch import SplitWatch
+from result_file import open_results
+from robustness_report import VARIANTS, Report
+from robustness_watch import WATCHED, SplitWatch
 
 from bringup.arguments import EngineKind
 from bringup.compose import ScenarioActors
 from bringup.engine import Engine
 from bringup.inprocess import InProcessEngine
-from bringup.labels import first_few
 from bringup.layout import sensor_carriers
 from bringup.resolution import resolve
 from bringup.results import Outcome, Timing, formation_metrics
 from bringup.scenario_file import Override, load_scenario, parse_assignment
 from bringup.supervisor import Supervisor, Verdict
+from studies.campaign import Record, ResultFile
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.randomness import rng_for
-from swarm_msgs_py.types import NodeId, robot_name
 from swarm_sim.config import Backend
 from swarm_sim.metrics.trace import TraceRecorder
 
-Result = dict[str, Any]
+EXPERIMENTS = tuple(sorted({variant.experiment for variant in VARIANTS}))
 SHAPES = ("formation_1", "formation_2", "formation_3", "formation_4")
 KILLED_SHARE, KILLED_BEACONS = 0.2, 3
 KILLED_FROM_S, KILLED_TO_S = 10.0, 110.0  # the last ones when most robots are parked
 KEPT = (
     *("achieved", "reason", "settling_time_s", "bottleneck_time_s", "displacement_ratio", "collisions"),
-    *("min_clearance_m", "lost_robots", "radio_neighborhood_peak_bps", "wall_time_s"),
+    *("min_clearance_m", "lost_robots", "radio_neighborhood_peak_bps", "localization_rmse_m", "wall_time_s"),
 )
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One way to make it hard, and the settings for it."""
-
-    experiment: str
-    name: str
-    scenario: str
-    settings: tuple[str, ...] = ()
-    ratio_max: float | None = None  # of the settling time to that of the same seeds in `BASE`
-
-
-BASE = "no loss, no delay"
-VARIANTS = (
-    Variant("loss", BASE, "formation-50"),
-    Variant("loss", "loss 0 %, delay", "formation-50", ("delay_ticks_max=1",), 1.0),
-    Variant("loss", "loss 10 %, delay", "formation-50", ("radio.loss=0.1", "delay_ticks_max=1"), 1.1),
-    Variant("loss", "loss 30 %, delay", "formation-50", ("radio.loss=0.3", "delay_ticks_max=1"), 1.3),
-    Variant("kills", "20 % killed", "formation-50"),
-    Variant("split", "split and merge", "split-24"),
-)
-COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
-    "runs": lambda runs: str(len(runs)),
-    "achieved": lambda runs: str(sum(run["achieved"] for run in runs)),
-    "collisions": lambda runs: str(sum(run["collisions"] for run in runs)),
-    "least gap [m]": lambda runs: _number(min(run["min_clearance_m"] for run in runs), 3),
-    "settling, mean / worst [s]": lambda runs: _mean_and_worst(runs, "settling_time_s"),
-    "displacement / bound": lambda runs: _mean_and_worst(runs, "displacement_ratio", 3),
-    "neighborhood peak [kbit/s]": lambda runs: _number(
-        max(run["radio_neighborhood_peak_bps"] for run in runs) / 1000.0
-    ),
-}
-SPLIT_COLUMNS: dict[str, Callable[[Sequence[Result]], str]] = {
-    "longest split, mean / worst [s]": lambda runs: _mean_and_worst(runs, "longest_split_s"),
-    "busy apart, with / without computer": lambda runs: (
-        f"{_worst_low(runs, 'busy_with_computer')} / {_worst_low(runs, 'busy_without_computer')}"
-    ),
-    "agreed after the merge, mean / worst [s]": lambda runs: _mean_and_worst(runs, "agreed_after_s"),
-}
 
 
 @dataclass(frozen=True)
@@ -114,51 +76,85 @@ class Task:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run what is missing, print tables, and return the exit code: 1 when a run failed, 130 after Ctrl-C."""
-    options = _parser().parse_args(arguments)
-    tasks = list(_tasks(options))
-    done = _read(options.out)
-    missing = [task for task in tasks if task.key not in done]
+    """Run what is missing, print tables and missed targets, and return the exit code."""
     try:
-        with Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            console=Console(stderr=True),
-        ) as progress:
-            bar = progress.add_task("runs", total=len(tasks), completed=len(tasks) - len(missing))
-            for task, result in _completed(missing, 1 if options.engine == "ros" else options.processes):
-                done[task.key] = result
-                _append(options.out, result)
-                progress.update(bar, advance=1, description=f"{task.variant}, seed {task.seed}")
-    except KeyboardInterrupt:
-        print("interrupted; the table has what was done", file=sys.stderr)
-        _print_tables(tasks, done)
-        return 130
+        options = _parser().parse_args(arguments)
+        tasks = list(_tasks(options))
+        file = open_results(options.out)
+        try:
+            _run_missing(tasks, file, 1 if options.engine == EngineKind.ROS.value else options.processes)
+        except KeyboardInterrupt:
+            print("interrupted; the table has what was done", file=sys.stderr)
+            _print(tasks, file)
+            return 130
     except ConfigError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    return 0 if _print_tables(tasks, done) else 1
+    is_met = _print(tasks, file)
+    if options.figure is not None:
+        _report(tasks, file).draw(options.figure)
+    return 0 if is_met else 1
+
+
+def _run_missing(tasks: Sequence[Task], file: ResultFile, processes: int) -> None:
+    missing = [task for task in tasks if not is_whole(file.records.get(task.key))]
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+    ) as progress:
+        bar = progress.add_task("runs", total=len(tasks), completed=len(tasks) - len(missing))
+        for task, result in _completed(missing, processes):
+            file.append(task.key, result)
+            progress.update(bar, advance=1, description=f"{task.variant}, seed {task.seed}")
+
+
+def _print(tasks: Sequence[Task], file: ResultFile) -> bool:
+    """Print tables, missed targets and what to know of the numbers; return whether no target was missed."""
+    is_met = _report(tasks, file).print()
+    if warning := file.warning(task.key for task in tasks):
+        print(f"\n**{warning}**")
+    return is_met
+
+
+def _report(tasks: Sequence[Task], file: ResultFile) -> Report:
+    done = [file.records.get(task.key) for task in tasks]
+    return Report([record for record in done if is_whole(record)])
+
+
+def is_whole(record: Record | None) -> TypeGuard[Record]:
+    """Return whether a result has all numbers; one of an older benchmark may lack some, and is made anew."""
+    return record is not None and record.keys() >= {*Task.__dataclass_fields__, *KEPT, *WATCHED}
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    experiments = sorted({variant.experiment for variant in VARIANTS})
-    parser.add_argument("experiments", nargs="*", metavar="EXPERIMENT", help=f"{', '.join(experiments)} (default: all)")
+    parser.add_argument(
+        "experiments",
+        nargs="*",
+        metavar="EXPERIMENT",
+        type=_experiment,
+        help=f"{', '.join(EXPERIMENTS)} (default: all)",
+    )
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(1, 11)), help="default: 1 to 10")
     parser.add_argument("--engine", choices=[kind.value for kind in EngineKind], default="inprocess")
     parser.add_argument("--physics", choices=[kind.value for kind in Backend], default="massdamper")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help="any setting")
     parser.add_argument("--out", type=Path, help="file of results, one line of JSON per run; what it has is not rerun")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="at a time; ROS runs go one by one")
+    parser.add_argument("--figure", type=Path, metavar="FILE", help="where to draw the results, a PNG")
     return parser
 
 
+def _experiment(text: str) -> str:
+    if text not in EXPERIMENTS:
+        raise argparse.ArgumentTypeError(f"there is no experiment '{text}'; choose from {', '.join(EXPERIMENTS)}")
+    return text
+
+
 def _tasks(options: argparse.Namespace) -> Iterator[Task]:
-    known = {variant.experiment for variant in VARIANTS}
-    if unknown := sorted(set(options.experiments) - known):
-        sys.exit(f"error: there is no experiment '{unknown[0]}'; choose from {', '.join(sorted(known))}")
     for variant in VARIANTS:
         if options.experiments and variant.experiment not in options.experiments:
             continue
@@ -169,11 +165,11 @@ def _tasks(options: argparse.Namespace) -> Iterator[Task]:
             )
 
 
-def _completed(tasks: Sequence[Task], processes: int) -> Iterator[tuple[Task, Result]]:
+def _completed(tasks: Sequence[Task], processes: int) -> Iterator[tuple[Task, Record]]:
     """Yield the results of tasks as they come; a stop leaves no process behind."""
     context = multiprocessing.get_context("spawn")  # a fresh process each: ROS can be used only once in one
     pool = ProcessPoolExecutor(processes, mp_context=context, max_tasks_per_child=1)
-    running: dict[Future[Result], Task] = {}
+    running: dict[Future[Record], Task] = {}
     waiting = list(reversed(tasks))
     try:
         while waiting or running:
@@ -187,7 +183,7 @@ def _completed(tasks: Sequence[Task], processes: int) -> Iterator[tuple[Task, Re
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def run(task: Task) -> Result:
+def run(task: Task) -> Record:
     """Run one task in this process and return what was measured."""
     scenario, origin = load_scenario(task.scenario, _overrides(task))
     scenario = resolve(scenario, origin)
@@ -245,88 +241,6 @@ def _engine(task: Task, actors: ScenarioActors) -> Engine:
     from bringup.ros_engine import RosEngine  # noqa: PLC0415 - everything else works where ROS is not installed
 
     return RosEngine(actors)
-
-
-def _read(path: Path | None) -> dict[str, Result]:
-    """Return the results that a file has; a line that a crash cut off is left out."""
-    results: dict[str, Result] = {}
-    if path is None or not path.exists():
-        return results
-    for line in path.read_text(encoding="utf-8").splitlines():
-        try:
-            result = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        task = Task(**{name: result[name] for name in Task.__dataclass_fields__})
-        results[task.key] = result
-    return results
-
-
-def _append(path: Path | None, result: Result) -> None:
-    if path is not None:
-        with path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(result) + "\n")
-
-
-def _print_tables(tasks: Sequence[Task], done: dict[str, Result]) -> bool:
-    """Print a table per experiment; return whether all runs are there and were achieved without a collision."""
-    results = [done[task.key] for task in tasks if task.key in done]
-    for experiment in dict.fromkeys(task.experiment for task in tasks):
-        own = [result for result in results if result["experiment"] == experiment]
-        if own:
-            _print_table(experiment, own)
-    failed = [run for run in results if not run["achieved"] or run["collisions"]]
-    for one in failed:
-        print(f"* {one['variant']}, seed {one['seed']}: {one['reason']}; {one['collisions']} collisions")
-    return not failed and len(results) == len(tasks)
-
-
-def _print_table(experiment: str, results: Sequence[Result]) -> None:
-    columns = {**COLUMNS, **(SPLIT_COLUMNS if experiment == "split" else {})}
-    ratios = ["x without loss", "target"] if experiment == "loss" else []
-    print(f"\n### {experiment}: {results[0]['scenario']}, {results[0]['engine']}, {results[0]['physics']}\n")
-    _print_row(["variant", *columns, *ratios])
-    _print_row(["---"] * (1 + len(columns) + len(ratios)))
-    variants = [variant for variant in VARIANTS if variant.experiment == experiment]
-    base = {run["seed"]: run["settling_time_s"] for run in results if run["variant"] == BASE}
-    for variant in variants:
-        runs = [run for run in results if run["variant"] == variant.name]
-        if not runs:
-            continue
-        cells = [variant.name, *(column(runs) for column in columns.values())]
-        if ratios:
-            cells += [_ratio(runs, base), _number(variant.ratio_max)]
-        _print_row(cells)
-
-
-def _ratio(runs: Sequence[Result], base: dict[int, float | None]) -> str:
-    """Return by how much longer settling took than in the base runs of the same seeds: of the means, and the worst."""
-    pairs = [(run["settling_time_s"], base.get(run["seed"])) for run in runs]
-    both = [(own, other) for own, other in pairs if own is not None and other is not None]
-    if not both:
-        return "-"
-    own, other = np.array(both).T
-    return f"{own.mean() / other.mean():.3f}, worst {(own / other).max():.3f}"
-
-
-def _mean_and_worst(runs: Sequence[Result], name: str, digits: int = 1) -> str:
-    values = [run[name] for run in runs if run[name] is not None]
-    missing = [robot_name(NodeId(run["seed"]))[1:] for run in runs if run[name] is None]
-    text = f"{fmean(values):.{digits}f} / {max(values):.{digits}f}" if values else "-"
-    return f"{text} (none: seed {first_few(missing)})" if missing else text
-
-
-def _worst_low(runs: Sequence[Result], name: str) -> str:
-    values = [run[name] for run in runs if run[name] is not None]
-    return f"{min(values):.2f}" if values else "-"
-
-
-def _number(value: float | None, digits: int = 1) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def _print_row(cells: Sequence[str]) -> None:
-    print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from bringup.engine import TickRecord
-from bringup.layout import robot_types
+from bringup.layout import robot_types, walls
 from bringup.scenario import Scenario
+from swarm_agent.planning.path_planner import lower_bound_planner
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.types import NodeId
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import FloatArray, NodeId
 from swarm_sim.radio.links import LinkModel
 from swarm_sim.scene import Scene
 from swarm_sim.world.obstacles import ObstacleField
 
 SPLIT_MIN_S, PART_MIN = 10.0, 3  # a shorter or smaller separation is a robot that lags behind, not a part
+PROGRESS_S, PROGRESS_SHARE = 5.0, 0.1  # of what full speed would bring in that time
+WATCHED = ("longest_split_s", "merged_at_s", "agreed_after_s", "busy_with_computer", "busy_without_computer")
+"""Keys of `SplitWatch.summary`."""
 
 
 class SplitWatch:
-    """Watches true links and reported goals.
+    """Watches true links, true motion and reported goals.
 
     The network is *apart* while the mission computer and a part of at least `PART_MIN` robots have no chain of links
     between them. Robots *agree* when all that live hold the plan in force and as many rows as each other, and have
     goals of their type, no two the same.
+
+    A robot is *busy* when it is on its way to the goal that it reports, or there. On its way: in the last `PROGRESS_S`
+    its true distance to that goal, straight or along the shortest path around the obstacles, shrank by at least
+    `PROGRESS_SHARE` of what it can drive in that time. There: it reports that it is parked, and its true position is
+    within the goal tolerance of the scenario. The goal is looked up in the plan that the robot itself holds.
 
     Parameters
     ----------
@@ -37,7 +48,12 @@ class SplitWatch:
         self._period = scenario.sim.period_s
         self._links = LinkModel(scenario.sim.radio.range_m, ObstacleField(scene.obstacles))
         self._antenna = np.array([scene.mission_position])
-        self._types = np.array([kind.type for kind in robot_types(scenario)])
+        self._kinds = robot_types(scenario)
+        self._types = np.array([kind.type for kind in self._kinds])
+        self._walls, self._goal_tolerance = walls(scenario), scenario.success.goal_tolerance_m
+        self._progress = PROGRESS_SHARE * PROGRESS_S * scenario.agent.control.speed_max_m_s
+        self._positions: deque[FloatArray] = deque(maxlen=round(PROGRESS_S / self._period) + 1)
+        self._plans: dict[int, Plan] = {}
         self._plan: Plan | None = None
         self._apart: list[bool] = []
         self._agreed: list[bool] = []
@@ -45,7 +61,9 @@ class SplitWatch:
 
     def take(self, record: TickRecord) -> None:
         """Take in one tick."""
-        self._plan = record.plan or self._plan
+        if record.plan is not None:
+            self._plan = self._plans[record.plan.epoch] = record.plan
+        self._positions.append(record.truth.positions)
         live = record.truth.alive
         antennas = np.concatenate([record.truth.positions, self._antenna])
         links = self._links.evaluate(antennas, np.append(live, True)).connected
@@ -55,14 +73,14 @@ class SplitWatch:
         is_apart = bool(sizes.max() >= PART_MIN)
         self._apart.append(is_apart)
         self._agreed.append(self._is_agreed(record))
-        if is_apart and self._plan is not None:
-            has_goal = np.array([self._goal(record, robot) >= 0 for robot in range(len(live))])
+        if is_apart and self._plan is not None and len(self._positions) == self._positions.maxlen:
+            is_busy = np.array([self._is_busy(record, robot) for robot in range(len(live))])
             for with_computer, members in ((True, live & ~outside), (False, outside)):
                 if members.any():
-                    self._busy[with_computer].append(float(has_goal[members].mean()))
+                    self._busy[with_computer].append(float(is_busy[members].mean()))
 
     def summary(self) -> dict[str, Any]:
-        """Return the longest split [s], the shares of robots with a goal in both parts, and how fast all agreed [s].
+        """Return the longest split [s], the mean shares of busy robots in both parts, and how fast all agreed [s].
 
         The time to agreement runs from the end of the last long split to the tick from which on all agreed for good;
         None where there was none.
@@ -73,13 +91,19 @@ class SplitWatch:
         agreed = None
         if merged is not None and last_no + 1 < len(self._agreed):
             agreed = max(0.0, (last_no + 1 - merged) * self._period)
-        return {
-            "longest_split_s": max(((b - a) * self._period for a, b in long), default=None),
-            "merged_at_s": None if merged is None else merged * self._period,
-            "agreed_after_s": agreed,
-            "busy_with_computer": _mean(self._busy[True]),
-            "busy_without_computer": _mean(self._busy[False]),
-        }
+        return dict(
+            zip(
+                WATCHED,
+                (
+                    max(((b - a) * self._period for a, b in long), default=None),
+                    None if merged is None else merged * self._period,
+                    agreed,
+                    _mean(self._busy[True]),
+                    _mean(self._busy[False]),
+                ),
+                strict=True,
+            )
+        )
 
     def _spells(self) -> list[tuple[int, int]]:
         """Return first tick and end of every spell in which the network was apart."""
@@ -97,10 +121,19 @@ class SplitWatch:
         is_own_type = bool((self._plan.goal_types[goals] == self._types[live]).all())
         return is_own_type and len({report.rows for report in reports if report is not None}) == 1
 
-    @staticmethod
-    def _goal(record: TickRecord, robot: int) -> int:
+    def _is_busy(self, record: TickRecord, robot: int) -> bool:
         report = record.reports.get(NodeId(robot))
-        return report.goal if report is not None else -1
+        plan = self._plans.get(report.epoch) if report is not None else None
+        if report is None or plan is None or not 0 <= report.goal < len(plan.goals):
+            return False
+        goal, before, now = plan.goals[report.goal], self._positions[0][robot], self._positions[-1][robot]
+        if report.mode is Mode.PARKED:
+            return float(np.hypot(*(goal - now))) <= self._goal_tolerance
+        if np.hypot(*(goal - before)) - np.hypot(*(goal - now)) >= self._progress:
+            return True
+        planner = lower_bound_planner(self._walls, self._kinds[robot].coverage_radius_m)
+        ways = [float(planner.costs(point, goal[None])[0]) for point in (before, now)]
+        return bool(np.isfinite(ways).all()) and ways[0] - ways[1] >= self._progress
 
 
 def _mean(shares: list[float]) -> float | None:

@@ -26,7 +26,9 @@ class MeshLab:
     links : iterable of (int, int)
         Who hears whom, both ways.
     loss, delay : float
-        Probability that a frame is lost, or arrives one tick late, per receiver.
+        Probability that a frame is lost, or arrives late, per receiver.
+    late_ticks_max : int
+        How many ticks late at most; any number of them is equally likely.
     """
 
     def __init__(
@@ -38,16 +40,17 @@ class MeshLab:
         seed: int = 0,
         loss: float = 0.0,
         delay: float = 0.0,
+        late_ticks_max: int = 1,
     ) -> None:
         self.config = config or NetworkConfig()
         self.nodes = {node: self._make(node) for node in range(nodes)}
         self.links = {(min(link), max(link)) for link in links}
-        self.loss, self.delay = loss, delay
+        self.loss, self.delay, self.late_ticks_max = loss, delay, late_ticks_max
         self.tick = 0
         self.deliveries: dict[int, list[tuple[int, Delivery]]] = {}
         self._rng = np.random.default_rng(seed)
         self._inboxes: dict[int, list[bytes]] = {}
-        self._late: dict[int, list[bytes]] = {}
+        self._late: dict[int, dict[int, list[bytes]]] = {}  # by the tick after which they arrive
 
     def _make(self, node: int) -> MeshNetwork:
         return MeshNetwork(NodeId(node), self.config, PERIOD_S)
@@ -62,7 +65,7 @@ class MeshLab:
 
     def receive(self) -> None:
         """Begin a tick: every node takes in what it hears. Then the test may `send` and `flood`."""
-        inboxes, self._inboxes, self._late = self._inboxes, self._late, {}
+        inboxes, self._inboxes = self._inboxes, self._late.pop(self.tick, {})
         for name, node in self.nodes.items():
             for delivery in node.receive(self.tick, inboxes.get(name, [])):
                 self.deliveries.setdefault(name, []).append((self.tick, delivery))
@@ -86,8 +89,11 @@ class MeshLab:
     def _carry(self, frame: bytes, receiver: int) -> None:
         if self.loss and self._rng.random() < self.loss:
             return
-        late = self.delay and self._rng.random() < self.delay
-        (self._late if late else self._inboxes).setdefault(receiver, []).append(frame)
+        inboxes = self._inboxes
+        if self.delay and self._rng.random() < self.delay:
+            late = 1 if self.late_ticks_max == 1 else int(self._rng.integers(1, self.late_ticks_max + 1))
+            inboxes = self._late.setdefault(self.tick + late, {})
+        inboxes.setdefault(receiver, []).append(frame)
 
     def hops(self, node: int) -> dict[int, int]:
         """Return the hop count of every valid route of `node`, itself included."""

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
 import ast
+import importlib
 import re
 import shlex
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from source_tree import PACKAGES, ROOT, SRC, Module, imported_packages, is_ros, modules_of, script_modules
+
+from bringup import arguments
+from bringup.scenario import Scenario
+from bringup.scenario_file import load_scenario, parse_assignment
+from studies import lps_arguments
+from swarm_msgs_py.config import full_key
+from swarm_msgs_py.errors import ConfigError
 
 REQUIREMENTS = sorted((ROOT / "requirements").glob("*.txt"))
 PIN = re.compile(r"[a-z0-9][a-z0-9-]*==[0-9][0-9a-z.]*")
@@ -105,18 +114,44 @@ def test_every_make_target_in_the_documents_exists() -> None:
     assert named <= targets
 
 
-def test_every_script_and_option_in_the_documents_exists() -> None:
-    # `make run ARGS="--option ..."` hands its words to the launcher, so they are checked as the launcher's.
-    commands = [words for words in document_commands() if any("launch_swarm.py" in word for word in words)]
-    commands += [shlex.split(word[5:]) for words in document_commands() for word in words if word.startswith("ARGS=")]
-    options = {word.partition("=")[0] for words in commands for word in words if word.startswith("--")}
-    scenarios = {words[words.index("--scenario") + 1] for words in commands if "--scenario" in words}
-    launcher = [sys.executable, str(ROOT / "scripts" / "launch_swarm.py"), "--help"]
-    usage = subprocess.run(launcher, capture_output=True, text=True, timeout=60, check=True, stdin=subprocess.DEVNULL)
+def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    commands = [found for words in [*document_commands(), *inline_commands()] if (found := script_command(words))]
 
-    assert options
-    assert {option for option in options if option not in usage.stdout} == set()
-    assert {name for name in scenarios if not (ROOT / "scripts" / "scenarios" / f"{name}.yaml").exists()} == set()
+    for script, words in commands:
+        take(script, words, monkeypatch)
+    assert {script for script, words in commands if words} >= {
+        *("scripts/launch_swarm.py", "scripts/lps_study.py"),
+        *("benchmarks/formation.py", "benchmarks/robustness.py", "benchmarks/mesh_delivery.py"),
+    }
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "make run ARGS='--scenario nowhere'",
+        "make run ARGS='--set no_such_key=0.5'",
+        "make run ARGS='--set radio.loss=2'",
+        "scripts/launch_swarm.py --nonsense",
+        "scripts/lps_study.py --nonsense",
+        "scripts/lps_study.py --modes gps",
+        "scripts/no_such_script.py",
+        "benchmarks/formation.py --nonsense",
+        "benchmarks/robustness.py nonsense",
+        "benchmarks/robustness.py --set radio.lost=0.1",
+        "benchmarks/mesh_delivery.py --seeds many",
+        "benchmarks/bench_world.py --nonsense",
+        "--set no_such_key=1",
+        "--set no_such_key=",
+    ],
+)
+def test_a_command_with_a_mistake_would_be_found(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    command = script_command(shlex.split(line))
+
+    assert command is not None
+    with pytest.raises((ConfigError, SystemExit, AssertionError)):
+        take(*command, monkeypatch)
 
 
 def test_links_between_documents_lead_somewhere() -> None:
@@ -135,17 +170,103 @@ def documents() -> list[Path]:
     return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *SRC.glob("*/README.md")])
 
 
+SHELL_BLOCK = re.compile(r"^```(?:bash|sh|console)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+ANY_BLOCK = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
+LAUNCHER = "scripts/launch_swarm.py"
+
+
 def document_commands() -> list[list[str]]:
     """Return the commands in the documents' shell blocks, as words."""
-    blocks = [
-        block
-        for path in documents()
-        for block in re.findall(
-            r"^```(?:bash|sh|console)\n(.*?)^```", path.read_text("utf-8"), re.DOTALL | re.MULTILINE
-        )
-    ]
+    blocks = [block for path in documents() for block in SHELL_BLOCK.findall(path.read_text("utf-8"))]
     lines = [line for block in blocks for line in block.replace("\\\n", " ").splitlines()]
     return [words for line in lines if (words := shlex.split(line, comments=True))]
+
+
+def inline_commands() -> list[list[str]]:
+    """Return the Python commands and the settings that stand between backticks in running text, as words."""
+    texts = [ANY_BLOCK.sub("", path.read_text("utf-8")) for path in documents()]
+    spans = [span for text in texts for span in re.findall(r"`([^`]+)`", text)]
+    return [shlex.split(span) for span in spans if ".py " in f"{span} " or span.startswith("--set ")]
+
+
+def script_command(words: Sequence[str]) -> tuple[str, list[str]] | None:
+    """Return the script of this project that a command starts, and the words after it; None: it starts another thing.
+
+    `make run ARGS="..."` starts the launcher, and what is only ``--set key=value`` is meant for it.
+    """
+    if words[0] == "--set":
+        return LAUNCHER, list(words)
+    if words[:2] == ["make", "run"]:
+        handed = [word.partition("=")[2] for word in words[2:] if word.startswith("ARGS=")]
+        return LAUNCHER, [part for text in handed for part in shlex.split(text)]
+    for place, word in enumerate(words):
+        if re.fullmatch(r"(scripts|benchmarks)/\w+\.py", word):
+            return word, [other for other in words[place + 1 :] if other != "..."]  # as in `--seeds 1 2 ... 20`
+    return None
+
+
+def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a script read its command line, and nothing more; settings must fit the scenario that they are for.
+
+    Raises
+    ------
+    ConfigError, SystemExit, AssertionError
+        If it would not take it.
+    """
+    assert (ROOT / script).is_file(), script
+    if script == LAUNCHER:
+        take_launch([word for word in words if word not in {"--help", "key=value"}])
+    elif script == "scripts/lps_study.py":
+        lps_arguments.parse_arguments(words)
+    elif "ArgumentParser" not in (ROOT / script).read_text("utf-8"):
+        assert words == [], f"{script} has no options"
+    else:
+        given = parsed_by(Path(script).stem, words, monkeypatch)
+        for text in getattr(given, "settings", []):
+            load_scenario("formation-50", (parse_assignment(text),))
+
+
+def take_launch(words: Sequence[str]) -> None:
+    """Read a command line of the launcher, up to the scenario that it makes."""
+    if words and words[-1] == "--set":
+        return  # `--set key=value` explains the option
+    keys = [word for word in words if word.endswith("=")]  # as in `--set lps.mode=`: values stand elsewhere
+    for key in keys:
+        assert full_key(Scenario, key[:-1], "--set")
+    if not keys:
+        given = arguments.parse_arguments(words)
+        load_scenario(given.scenario, given.overrides)
+
+
+class ParsedError(Exception):
+    """Ends a script as soon as its command line was read."""
+
+    def __init__(self, given: argparse.Namespace) -> None:
+        super().__init__()
+        self.given = given
+
+
+def parsed_by(module: str, words: Sequence[str], monkeypatch: pytest.MonkeyPatch) -> argparse.Namespace:
+    """Return what the parser of a benchmark makes of a command line; the benchmark does not get further.
+
+    Raises
+    ------
+    SystemExit
+        If the parser refuses.
+    """
+    parse = argparse.ArgumentParser.parse_args
+
+    def parse_and_stop(parser: argparse.ArgumentParser, *_: object) -> None:
+        raise ParsedError(parse(parser, words))
+
+    benchmark = importlib.import_module(module)
+    monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse_and_stop)
+    try:
+        with pytest.raises(ParsedError) as parsed:
+            benchmark.main()
+    finally:
+        monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse)
+    return parsed.value.given
 
 
 def foreign(package: str) -> set[str]:

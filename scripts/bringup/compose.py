@@ -5,17 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from bringup.layout import make_scene, rally_point, robot_types, told_start
-from bringup.resolution import contour_of
+from bringup.resolution import contour_of, network_of
 from bringup.scenario import Scenario
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
+from swarm_agent.localization.config import LpsMode
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import NodeId
-from swarm_sim.config import SimConfig
+from swarm_sim.config import RangingModel, SimConfig
 from swarm_sim.scene import Scene
 from swarm_sim.simulation import Simulation
+
+SIGMA_MIN_M = 0.01
+"""Noise that robots reckon with where the world's ranges have none: a filter that is sure of everything is never put
+right."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,11 +53,15 @@ class ScenarioActors:
 
     @property
     def world_config(self) -> SimConfig:
-        """Settings of the world; it ranges as often as robots localize unless the scenario says otherwise."""
-        sim = self.scenario.sim
-        if sim.ranging.period_s is not None:
-            return sim
-        return replace(sim, ranging=replace(sim.ranging, period_s=self.scenario.agent.lps.period_s))
+        """Settings of the world; it ranges as often and as robots localize unless the scenario says otherwise."""
+        sim, lps = self.scenario.sim, self.scenario.agent.lps
+        ranging = sim.ranging
+        if ranging.period_s is None:
+            ranging = replace(ranging, period_s=lps.period_s)
+        if ranging.model is None:
+            is_literal = lps.mode is LpsMode.LITERAL
+            ranging = replace(ranging, model=RangingModel.POSITION if is_literal else RangingModel.RANGE)
+        return replace(sim, ranging=ranging)
 
     @property
     def mission_config(self) -> MissionConfig:
@@ -62,7 +71,9 @@ class ScenarioActors:
     def agent_config(self, robot: NodeId) -> AgentConfig:
         """Return the settings of one robot: what the scenario says of all, and of this one.
 
-        It rallies at the mission computer unless the scenario says where.
+        It rallies at the mission computer unless the scenario says where. It knows how noisy the world's ranges are,
+        unless the scenario has it believe something else. Its network bears what the scenario's radio does, as that of
+        the mission computer.
         """
         agent, robots = self.scenario.agent, self.scenario.robots
         decision, energy = replace(agent.decision, rally_point_m=rally_point(self.scenario)), agent.energy
@@ -70,7 +81,13 @@ class ScenarioActors:
             decision = replace(decision, weight=replace(decision.weight, priority=robots.priorities[robot]))
         if robots.energies is not None:
             energy = replace(energy, initial=robots.energies[robot])
-        return replace(agent, decision=decision, energy=energy)
+        lps, sigma = agent.lps, max(self.scenario.sim.ranging.sigma_m, SIGMA_MIN_M)
+        lps = replace(
+            lps,
+            range_sigma_m=sigma if lps.range_sigma_m is None else lps.range_sigma_m,
+            position_noise_sigma_m=sigma if lps.position_noise_sigma_m is None else lps.position_noise_sigma_m,
+        )
+        return replace(agent, decision=decision, energy=energy, lps=lps, network=network_of(self.scenario))
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""
@@ -80,7 +97,7 @@ class ScenarioActors:
         """Make the mission computer; it is ordered the scenario's shape."""
         return Mission(
             self.scenario.mission,
-            self.scenario.agent.network,
+            network_of(self.scenario),
             Roster.of(robot_types(self.scenario)),
             self.scene.obstacles,
             contour_of(self.scenario),

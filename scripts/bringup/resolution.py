@@ -18,9 +18,12 @@ from bringup.scenario_file import Origin
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ConfigError, ShapeError
+from swarm_msgs_py.frames import HELLO_SIZE, ROUTE_ROW
+from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import Backend
+from swarm_sim.radio.medium import longest_delay
 from swarm_sim.simulation import Simulation
 
 
@@ -42,6 +45,8 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         check_events(scenario)
     with _blamed(origin, "mission.partition.gaps"):
         check_margins(scenario)
+    with _blamed(origin, "sim.radio"):
+        network_of(scenario)
     with _blamed(origin, "shape"):
         contour = _contour(scenario.shape)
         check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(scenario.shape)}'")
@@ -64,6 +69,30 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
 def contour_of(scenario: Scenario) -> FloatArray:
     """Return the contour of a resolved scenario, (k, 2) counter-clockwise [m]."""
     return _contour(scenario.shape)
+
+
+def network_of(scenario: Scenario) -> NetworkConfig:
+    """Return the settings of every radio's network: it must bear the latest hello that the scenario's radio delivers.
+
+    Else a node that starts again could speak while others still route over what it said before (see
+    `swarm_msgs_py.networking.dsdv`).
+
+    Raises
+    ------
+    ConfigError
+        If hellos can be later than any network is allowed to bear.
+    """
+    network, period_s = scenario.agent.network, scenario.sim.period_s
+    rows = min(network.rows_per_hello, scenario.robots.count + 1)
+    hello = HELLO_SIZE + rows * ROUTE_ROW.itemsize
+    delay_s = longest_delay(scenario.sim.radio, period_s, hello) * period_s
+    try:
+        return replace(network, delay_max_s=max(network.delay_max_s, delay_s))
+    except ConfigError:
+        raise ConfigError(
+            f"hellos can come {delay_s:g} s late, which is too late for the mesh network; "
+            "lower queue_s or delay_ticks_max, or raise budget_bps"
+        ) from None
 
 
 @contextmanager

@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -30,8 +30,8 @@ class ResultFile:
 
     Parameters
     ----------
-    path : Path
-        May be missing; its folder must exist.
+    path : Path or None
+        May be missing; its folder must exist. None: nothing is kept.
     version : str
         Of the code that runs now; it is noted with each result.
 
@@ -41,34 +41,49 @@ class ResultFile:
         If the file cannot be read.
     """
 
-    def __init__(self, path: Path, version: str) -> None:
+    def __init__(self, path: Path | None, version: str) -> None:
         self.path = path
         self._version = version
         self.records: dict[str, Record] = {}
-        """Results by key of run; a line that a crash cut off counts as none."""
+        """Results by key of run, the last one of each; a line that a crash cut off counts as none."""
         self.outdated: set[str] = set()
         """Keys of the results that other code made."""
         try:
-            text = path.read_text(encoding="utf-8") if path.exists() else ""
+            text = path.read_text(encoding="utf-8") if path is not None and path.exists() else ""
         except (OSError, UnicodeDecodeError) as error:
             raise ConfigError(f"{path}: cannot be read ({error}); give another --out, or remove the file") from None
         self._is_cut_off = bool(text) and not text.endswith("\n")
         for line in text.splitlines():
             try:
                 entry = json.loads(line)
-                self.records[entry["run"]] = entry["result"]
-                if entry["code"] != version:
-                    self.outdated.add(entry["run"])
-            except (json.JSONDecodeError, KeyError, TypeError):
+                key, code, result = str(entry["run"]), entry["code"], dict(entry["result"])
+            except (ValueError, KeyError, TypeError):
                 continue
+            self._keep(key, code, result)
 
     def append(self, key: str, record: Record) -> None:
         """Add a result and write it through."""
-        self.records[key] = record
+        self._keep(key, self._version, record)
+        if self.path is None:
+            return
         entry = {"run": key, "code": self._version, "result": record}
         with self.path.open("a", encoding="utf-8") as file:
             file.write(("\n" if self._is_cut_off else "") + json.dumps(entry) + "\n")
         self._is_cut_off = False
+
+    def warning(self, runs: Iterable[str]) -> str:
+        """Return what to say of those of the named runs whose results other code made; nothing if there are none."""
+        count = sum(run in self.outdated for run in runs)
+        if not count:
+            return ""
+        return f"warning: {count} of the results in {self.path} were made by other code; remove the file to start anew"
+
+    def _keep(self, key: str, version: str, record: Record) -> None:
+        self.records[key] = record
+        if version == self._version:
+            self.outdated.discard(key)
+        else:
+            self.outdated.add(key)
 
 
 def completed(runs: Sequence[RunT], perform: Callable[[RunT], ResultT], workers: int) -> Iterator[tuple[RunT, ResultT]]:

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("ros_ws/src", "scripts")
+KINDS = frozenset({".py", ".yaml", ".yml", ".json"})
+"""Suffixes of source, scenarios, shapes and maps."""
+GENERATED = frozenset({"scenario.schema.json"})
+"""Made from the source; no run reads them."""
 DIGITS = 12
 
 
-def code_version(root: Path = ROOT) -> str:
-    """Return a fingerprint of all Python source that a simulated run may depend on."""
+def code_version(root: Path = ROOT, folders: Sequence[str] = FOLDERS) -> str:
+    """Return a fingerprint of all source and data that a simulated run may depend on.
+
+    Parameters
+    ----------
+    root : Path
+        Of the project.
+    folders : sequence of str
+        Below it, whose files count.
+    """
     digest = hashlib.sha256()
-    for folder in FOLDERS:
-        for path in sorted((root / folder).rglob("*.py")):
-            digest.update(f"{path.relative_to(root)}\0".encode())
-            digest.update(path.read_bytes())
+    for folder in folders:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in KINDS and path.name not in GENERATED and path.is_file():
+                digest.update(f"{path.relative_to(root)}\0".encode())
+                digest.update(path.read_bytes())
     return digest.hexdigest()[:DIGITS]

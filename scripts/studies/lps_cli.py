@@ -56,13 +56,9 @@ def _study(arguments: Arguments, interruption: Interruption) -> int:
     wanted = cells(arguments.design)
     runs = [Run(cell, seed, arguments.trial) for seed in arguments.seeds for cell in wanted]
     file = _open(arguments.out)
-    outdated = sum(run.key in file.outdated for run in runs)
-    if outdated:
-        _console(sys.stderr).print(
-            f"warning: {outdated} of the results in {file.path} were made by other code; remove the file to start anew",
-            markup=False,
-            soft_wrap=True,
-        )
+    warning = file.warning(run.key for run in runs)
+    if warning:
+        _console(sys.stderr).print(warning, markup=False, soft_wrap=True)
     missing = [run for run in runs if arguments.simulates and run.key not in file.records]
     try:
         if missing:
@@ -72,7 +68,7 @@ def _study(arguments: Arguments, interruption: Interruption) -> int:
     except OSError as error:
         raise SwarmError(f"{file.path}: cannot be written ({error.strerror}); what it has is kept") from None
     summary = Summary(runs, file.records)
-    _write(arguments, wanted, summary)
+    _write(arguments, wanted, summary, warning)
     left = sum(run.key not in file.records for run in runs)
     note = f"{len(runs) - left} of {len(runs)} runs are done; the same command goes on with the rest" if left else ""
     _print(arguments, wanted, summary, note)
@@ -113,8 +109,8 @@ def _open(out: Path) -> ResultFile:
     return ResultFile(out / RESULTS, code_version())
 
 
-def _write(arguments: Arguments, wanted: Sequence[Cell], summary: Summary) -> None:
-    """Write tables and figure; whoever looks sees whole files.
+def _write(arguments: Arguments, wanted: Sequence[Cell], summary: Summary, warning: str) -> None:
+    """Write tables and figure; whoever looks sees whole files, and what to know of their numbers.
 
     Raises
     ------
@@ -123,7 +119,7 @@ def _write(arguments: Arguments, wanted: Sequence[Cell], summary: Summary) -> No
     """
     design, trial = arguments.design, arguments.trial
     contents: dict[str, bytes | None] = {
-        TABLE: as_markdown(design, trial, len(arguments.seeds), summary).encode(),
+        TABLE: as_markdown(design, trial, len(arguments.seeds), summary, warning).encode(),
         CSV: as_csv(wanted, summary).encode(),
         FIGURE: study_figure(design, trial, summary),
     }

@@ -70,9 +70,12 @@ def period_label(period_s: float) -> str:
     return f"{period_s:g} s" if period_s else "control rate"
 
 
-def as_markdown(design: Design, trial: Trial, seeds: int, summary: Summary) -> str:
-    """Return all tables; each number is the mean over the seeds, and in brackets that of the worst seed."""
-    parts = [_heading(design, trial, seeds)]
+def as_markdown(design: Design, trial: Trial, seeds: int, summary: Summary, warning: str = "") -> str:
+    """Return all tables; each number is the mean over the seeds, and in brackets that of the worst seed.
+
+    A warning about the results stands above them: who reads the tables has not seen the terminal.
+    """
+    parts = [_heading(design, trial, seeds), *([f"\n**{warning}**"] if warning else [])]
     parts += _section("Targets", TARGET_HEADER, target_rows(trial, summary))
     parts += _thesis(design, summary)
     for sweep in sweeps(design):

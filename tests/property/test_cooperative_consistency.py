@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
+import pytest
 from scipy.stats import chi2
 
 from swarm_agent.localization.config import LpsConfig, LpsMode
@@ -46,17 +47,20 @@ class Outcome:
 
 
 @cache
-def play(mode: LpsMode, beacons: int, runs: int, *, naive: bool = False) -> Outcome:
+def play(mode: LpsMode, beacons: int, runs: int, *, naive: bool = False, knows_commands: bool = False) -> Outcome:
     """Let twelve robots wander for a minute; hellos arrive a tick late.
 
-    The naive variant takes every neighbor for a beacon with the covariance that it claims.
+    The naive variant takes every neighbor for a beacon with the covariance that it claims. Who knows its commands, as
+    all robots do in a mission, has hardly any process noise: nothing that was counted twice is ever forgotten.
     """
-    tracks = [_run(mode, beacons, run, naive=naive) for run in range(runs)]
+    tracks = [_run(mode, beacons, run, naive=naive, knows_commands=knows_commands) for run in range(runs)]
     errors, squares, claims = (np.array(columns) for columns in zip(*tracks, strict=True))
     return Outcome(errors, squares, claims)
 
 
-def _run(mode: LpsMode, beacons: int, run: int, *, naive: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _run(
+    mode: LpsMode, beacons: int, run: int, *, naive: bool, knows_commands: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     rng = rng_for(11, "formation", run)
     config = replace(CONFIG, mode=LpsMode.RANGE_EKF if naive else mode)
     positions, velocities = PLACES + rng.normal(0.0, 0.5, PLACES.shape), np.zeros((ROBOTS, 2))
@@ -72,7 +76,8 @@ def _run(mode: LpsMode, beacons: int, run: int, *, naive: bool) -> tuple[FloatAr
         positions = positions + DT * velocities + DT * (DT - config.push_delay_s) * pushes
         velocities = velocities + DT * pushes
         distances = np.linalg.norm(positions[:, None] - positions, axis=2)
-        ranges = np.maximum(distances + config.range_sigma_m * rng.normal(size=distances.shape), 0.0)
+        ranges = np.maximum(distances + config.range_sigma * rng.normal(size=distances.shape), 0.0)
+        slips = 0.003 * rng.normal(size=(ROBOTS, 2))
         imu_noise, fix_noise = 0.01 * rng.normal(size=(ROBOTS, 2)), 0.02 * rng.normal(size=(ROBOTS, 2))
         heard, told = told, {}
         for robot, localizer in enumerate(localizers):
@@ -83,6 +88,7 @@ def _run(mode: LpsMode, beacons: int, run: int, *, naive: bool) -> tuple[FloatAr
                 PositionFix(positions[robot] + fix_noise[robot], 0.02) if robot < beacons else None,
                 RangeScan(others, ranges[robot, others]),
                 heard,
+                told=velocities[robot] + slips[robot] if knows_commands else None,
             )
             assert estimate is not None
             told[NodeId(robot)] = Presence(
@@ -105,23 +111,28 @@ def _run(mode: LpsMode, beacons: int, run: int, *, naive: bool) -> tuple[FloatAr
     return track[0], track[1], track[2]
 
 
-def test_cooperation_is_consistent_and_better_than_ranging_to_beacons_alone() -> None:
-    together, apart = play(LpsMode.COOPERATIVE, 3, 4), play(LpsMode.RANGE_EKF, 3, 4)
+@pytest.mark.parametrize("knows_commands", [False, True])
+def test_cooperation_is_consistent_and_better_than_ranging_to_beacons_alone(knows_commands: bool) -> None:
+    together = play(LpsMode.COOPERATIVE, 3, 2, knows_commands=knows_commands)
+    apart = play(LpsMode.RANGE_EKF, 3, 2, knows_commands=knows_commands)
 
     assert together.share_inside >= 0.9
     assert apart.share_inside >= 0.9
-    assert together.rms < 0.9 * apart.rms
+    assert together.rms < apart.rms
+    if not knows_commands:
+        assert together.rms < 0.9 * apart.rms
 
 
-def test_without_any_beacon_the_claims_stay_honest() -> None:
-    outcome = play(LpsMode.COOPERATIVE, 0, 3)
+@pytest.mark.parametrize(("beacons", "knows_commands"), [(0, False), (0, True), (1, True)])
+def test_with_hardly_any_beacon_the_claims_stay_honest(beacons: int, knows_commands: bool) -> None:
+    outcome = play(LpsMode.COOPERATIVE, beacons, 2, knows_commands=knows_commands)
 
-    assert outcome.share_inside >= 0.85
-    assert (outcome.squares[:, -1] < BAND).mean() >= 0.8  # and no worse at the end
+    assert outcome.share_inside >= 0.9
+    assert (outcome.squares[:, -20:] < BAND).mean() >= 0.9  # and no worse at the end
 
 
 def test_cooperation_without_beacons_is_worth_having() -> None:
-    together, alone = play(LpsMode.COOPERATIVE, 0, 3), play(LpsMode.RANGE_EKF, 0, 3)
+    together, alone = play(LpsMode.COOPERATIVE, 0, 2), play(LpsMode.RANGE_EKF, 0, 2)
 
     assert together.rms < alone.rms
     assert together.claims[:, 4].mean() < 0.8 * alone.claims[:, 4].mean()

@@ -26,6 +26,7 @@ class AdvertisingTables(RuleBasedStateMachine):
         self.heard: dict[int, set[int]] = {}  # by node: its current neighbours
         self.on_the_air: list[tuple[int, Advert]] = []
         self.labels: dict[tuple[int, int], int] = {}
+        self.numbers: dict[int, int] = {}
         self.tick = 0
         for _ in range(4):
             self.join()
@@ -107,6 +108,12 @@ class AdvertisingTables(RuleBasedStateMachine):
                 label = route.sequence << 8 | 255 - route.hops
                 assert known is None or (label - known) % (1 << 24) < 1 << 23
                 self.labels[node, destination] = label
+
+    @invariant()
+    def no_node_lowers_its_own_number(self) -> None:
+        for node, table in self.tables.items():
+            assert (table.sequence - self.numbers.get(node, table.sequence)) % (1 << 16) < 1 << 15
+            self.numbers[node] = table.sequence
 
     def node(self, pick: int) -> int:
         return sorted(self.tables)[pick % len(self.tables)]

@@ -74,12 +74,13 @@ plans = st.integers(0, 5).flatmap(
         integers(255, n),
     )
 )
+centimeters = st.integers(0, 0xFFFF).map(lambda steps: steps / 100.0)
 bodies = st.one_of(
     plans,
     rows,
     st.builds(RowRequest, u32, st.lists(st.tuples(u16, u16), max_size=5).map(tuple)),
     st.builds(RowBundle, st.lists(rows, max_size=3).map(tuple)),
-    st.builds(Report, u16, u8, u32, st.integers(-(2**15), 2**15 - 1), st.tuples(float32, float32), u8),
+    st.builds(Report, u16, u8, u32, st.integers(-(2**15), 2**15 - 1), st.tuples(float32, float32), u8, centimeters),
 )
 
 

@@ -16,7 +16,10 @@ from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import encode_frame
 from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.control import STOP
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.messages.sensing import RangeScan
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
@@ -56,7 +59,9 @@ records = st.one_of(
     rows,
     st.lists(rows, max_size=3).map(lambda some: RowBundle(tuple(some))),
     st.builds(RowRequest, epochs, st.lists(st.tuples(ids, versions), max_size=3).map(tuple)),
-    st.builds(Report, ids, types, epochs, st.integers(-3, 3), st.tuples(coordinates, coordinates), types),
+    st.builds(
+        Report, ids, types, epochs, st.integers(-3, 3), st.tuples(coordinates, coordinates), types, st.floats(0.0, 1e4)
+    ),
 )
 presences = st.builds(
     Presence,
@@ -140,3 +145,45 @@ def test_what_is_no_place_never_leaves_or_enters_a_radio(numbers: list[float]) -
         assert not is_place
     else:
         assert is_place
+
+
+def test_a_robot_survives_rows_that_speak_for_it_with_ever_higher_versions() -> None:
+    agent, stranger = make_agent(1), Stranger()
+    agent.step(make_agent_inputs(0, inbox=stranger.frames(make_presence(), [make_plan(SQUARE[:2])])))
+    for tick, first in enumerate(range(1000, 65536, 10_000), start=1):
+        forged = [CostRow(1, NodeId(1), 1, version, np.array([5, 5])) for version in range(first, first + 9001, 1000)]
+        forged += [CostRow(1, NodeId(1), 1, 65535, np.array([5, 5]))] * (first > 60_000)
+        calm = make_presence(tick=tick)
+        inbox = stranger.frames(calm, [row for row in forged if row.version <= 65535])
+        rows_held = agent.step(make_agent_inputs(tick, inbox=inbox)).report.rows
+
+    assert rows_held == 1
+
+
+def test_a_robot_survives_rows_of_more_robots_than_it_could_list() -> None:
+    agent, stranger = make_agent(1), Stranger()
+    nothing = np.empty(0, dtype=np.int64)
+    for tick in range(12):
+        crowd = RowBundle(tuple(CostRow(1, NodeId(tick * 5000 + n), 1, 1, nothing) for n in range(5000)))
+        said: list[Body] = [make_plan(SQUARE[:2])] if tick == 0 else [crowd] if tick < 5 else []
+        other_rows = make_presence(tick=tick, epoch=1, digest=7)
+        rows_held = agent.step(make_agent_inputs(tick, inbox=stranger.frames(other_rows, said))).report.rows
+
+    assert rows_held > 5000
+
+
+def test_a_robot_survives_beacons_at_the_edge_of_the_world() -> None:
+    agent = make_agent(1)
+    edge = np.array([1e6, 1e6])
+    beacons = edge - [[0.0, 0.0], [0.0, 5.0], [5.0, 0.0]]
+    for tick in range(20):
+        inbox = []
+        for number, place in enumerate(beacons):
+            node = NodeId(number + 2)
+            own = RouteRows(np.array([node]), np.array([0]), np.array([2 * tick + 2]))
+            inbox.append(encode_frame(Hello(node, tick, make_presence(*place, tick=tick), own)))
+        ranges = RangeScan(np.arange(2, 5), np.linalg.norm(beacons - (edge + 4.0), axis=1))
+        outputs = agent.step(make_agent_inputs(tick, fix=None, ranges=ranges, inbox=tuple(inbox)))
+
+    assert outputs.report.mode is Mode.WAITING
+    assert outputs.command == STOP

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from mesh_lab import MeshLab
+from mesh_lab import PERIOD_S, MeshLab
 from oracles import hop_counts
 
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -24,12 +27,16 @@ nodes = st.integers(0, NODES - 1)
 class LivingMesh(RuleBasedStateMachine):
     """Whole mesh networks, frames on the air and all: links, radios and nodes come and go while packets travel."""
 
-    @initialize(seed=st.integers(0, 2**16), links=st.sets(st.sampled_from(PAIRS), min_size=4))
-    def begin(self, seed: int, links: set[tuple[int, int]]) -> None:
-        self.lab = MeshLab(NODES, links, seed=seed, config=CONFIG)
+    @initialize(
+        seed=st.integers(0, 2**16), links=st.sets(st.sampled_from(PAIRS), min_size=4), late=st.sampled_from([1, 4, 6])
+    )
+    def begin(self, seed: int, links: set[tuple[int, int]], late: int) -> None:
+        """Frames will be as late as the network is told to bear."""
+        config = replace(CONFIG, delay_max_s=late * PERIOD_S)
+        self.lab = MeshLab(NODES, links, seed=seed, config=config, late_ticks_max=late)
         self.parted: set[tuple[int, int]] = set()
 
-    @rule(loss=st.sampled_from([0.0, 0.1, 0.3, 0.6]), delay=st.sampled_from([0.0, 0.5]))
+    @rule(loss=st.sampled_from([0.0, 0.1, 0.3, 0.6]), delay=st.sampled_from([0.0, 0.5, 0.9]))
     def change_the_radio(self, loss: float, delay: float) -> None:
         """A delayed frame arrives with, and before, later ones of its sender."""
         self.lab.loss, self.lab.delay = loss, delay
@@ -74,6 +81,19 @@ class LivingMesh(RuleBasedStateMachine):
     @rule(ticks=st.integers(1, 9))
     def run(self, ticks: int) -> None:
         for _ in range(ticks):
+            self.lab.run(1)
+            self.check()
+
+    @rule(seed=st.integers(0, 2**16))
+    def unrest(self, seed: int) -> None:
+        """Nodes restart and links change all the time, while most frames are late and many are lost."""
+        rng = np.random.default_rng(seed)
+        self.lab.loss, self.lab.delay = 0.3, 0.8
+        for _ in range(40):
+            if rng.random() < 0.15:
+                self.lab.links ^= {PAIRS[rng.integers(len(PAIRS))]}
+            if rng.random() < 0.1:
+                self.lab.join(int(rng.integers(NODES)))
             self.lab.run(1)
             self.check()
 

@@ -145,6 +145,25 @@ def test_arbitrary_bytes_are_refused_or_read_but_never_crash(decode: Any, data: 
         return
 
 
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(
+    ("part", "axis"),
+    [
+        ("orientation", "z"),
+        ("orientation", "w"),
+        ("angular_velocity", "z"),
+        ("linear_acceleration", "x"),
+        ("linear_acceleration", "y"),
+    ],
+)
+def test_an_imu_message_that_is_not_finite_is_refused(part: str, axis: str, number: float) -> None:
+    message = deserialize_message(convert.encode_imu(cdr.stamp(0.0), "", ImuSample(np.zeros(2), 0.25, 0.0)), Imu)
+    setattr(getattr(message, part), axis, number)
+
+    with pytest.raises(cdr.MessageError, match="finite"):
+        convert.decode_imu(serialize_message(message))
+
+
 def test_a_command_that_is_not_finite_is_refused() -> None:
     data = convert.encode_command(cdr.stamp(0.0), "", VelocityCommand(math.nan, 0.0))
 

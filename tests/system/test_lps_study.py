@@ -127,3 +127,15 @@ def test_tables_are_made_anew_without_a_simulation(tmp_path: Path) -> None:
 
     assert run(tmp_path, *FORMATION, "--seeds", "1", "--tables-only") == 0
     assert (tmp_path / TABLE).read_text() == table
+
+
+def test_results_of_other_code_are_told_in_the_table_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(tmp_path, *FORMATION, "--seeds", "1", "--workers", "1") == 0
+    assert "other code" not in (tmp_path / TABLE).read_text()
+    entries = [json.loads(line) for line in (tmp_path / RESULTS).read_text().splitlines()]
+    entries[0]["code"] = "older"
+    (tmp_path / RESULTS).write_text("".join(json.dumps(entry) + "\n" for entry in entries))
+
+    assert run(tmp_path, *FORMATION, "--seeds", "1", "--tables-only") == 0
+    assert "warning: 1 of the results" in (tmp_path / TABLE).read_text()
+    assert "warning: 1 of the results" in capsys.readouterr().err

@@ -1,16 +1,20 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tick_builders import PERIOD, make_plan, make_tick
 
 from bringup.engine import TickRecord
+from bringup.layout import sensor_carriers
 from bringup.resolution import resolve
-from bringup.results import FormationMetrics, Outcome, Timing, formation_metrics
+from bringup.results import WARM_UP_S, FormationMetrics, Outcome, Timing, formation_metrics
 from bringup.scenario import Scenario
-from bringup.scenario_file import load_scenario
+from bringup.scenario_file import load_scenario, parse_assignment
 from bringup.supervisor import Supervisor
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.report import Positioning
 from swarm_msgs_py.types import NodeId
 from swarm_sim.metrics.trace import TraceRecorder
 
@@ -71,3 +75,81 @@ def test_after_a_change_of_shape_there_is_no_bound(smoke: Scenario) -> None:
     assert metrics.displacement_lower_bound_m is None
     assert metrics.displacement_ratio is None
     assert metrics.bottleneck_time_s is None
+
+
+# Errors of the two robots without position sensor, and of the two beacons.
+EARLY_M, BEACON_M = 7.0, 5.0
+HEARD_M, LOST_M = 0.3, 2.0
+WARM_UP, COUNTED = round(WARM_UP_S / PERIOD), 180  # ticks
+
+
+def localization_metrics(ticks: int, lost_last: int, early_s: float = WARM_UP_S) -> FormationMetrics:
+    """Return the metrics of a run in which the robots without sensor err by known amounts.
+
+    One of them hears three beacons, is localized and off by `HEARD_M`; the other hears one, and in the last
+    `lost_last` ticks is lost and off by `LOST_M` instead of `HEARD_M`. Before `early_s` both are off by `EARLY_M`;
+    beacons always are off by `BEACON_M`.
+    """
+    scenario = resolve(*load_scenario("smoke-4", (parse_assignment("position_sensor_share=0.5"),)))
+    carriers = sensor_carriers(scenario)
+    heard, other = sorted(set(range(4)) - carriers)
+    records = []
+    for tick in range(ticks):
+        record = make_tick(tick, STARTS.tolist())
+        reports = dict(record.reports)
+        for robot, report in reports.items():
+            is_lost = robot == other and tick >= ticks - lost_last
+            error = BEACON_M if robot in carriers else LOST_M if is_lost else HEARD_M
+            if robot not in carriers and tick * PERIOD < early_s:
+                error = EARLY_M
+            state = Positioning.LOST if is_lost else Positioning.LOCALIZED
+            reports[robot] = replace(
+                report,
+                position=report.position + np.array([0.0, error]),
+                beacons=3 if robot == heard else 1,
+                localization=replace(report.localization, positioning=state),
+            )
+        records.append(replace(record, reports=reports))
+    return metrics_of(scenario, records)
+
+
+def test_localization_counts_robots_without_sensor_after_the_warm_up() -> None:
+    lost = 10
+    metrics = localization_metrics(WARM_UP + COUNTED, lost)
+    samples = 2 * COUNTED
+
+    rms = np.sqrt((lost * LOST_M**2 + (samples - lost) * HEARD_M**2) / samples)
+    assert metrics.localization_rmse_m == pytest.approx(rms)
+    assert metrics.localization_max_m == pytest.approx(LOST_M)
+    # Ten of 360 samples are large: more than one in a hundred, fewer than five.
+    assert metrics.localization_p99_m == pytest.approx(LOST_M)
+    # Of unit covariance, NEES is the squared error: 0.09 and 4 both lie in the 95 % band.
+    assert metrics.localization_consistent == pytest.approx(1.0)
+
+
+def test_localization_is_told_apart_by_who_hears_beacons_and_who_is_lost() -> None:
+    metrics = localization_metrics(WARM_UP + COUNTED, 10)
+
+    assert metrics.localization_rmse_heard_m == pytest.approx(HEARD_M)
+    assert metrics.localization_rmse_lost_m == pytest.approx(LOST_M)
+
+
+def test_of_a_short_run_the_second_half_counts() -> None:
+    metrics = localization_metrics(WARM_UP, 10, early_s=0.5 * WARM_UP_S)
+
+    assert metrics.localization_rmse_m == pytest.approx(np.sqrt((10 * LOST_M**2 + 110 * HEARD_M**2) / 120))
+
+
+def test_an_estimate_far_outside_its_covariance_is_not_consistent() -> None:
+    metrics = localization_metrics(WARM_UP, 0)
+
+    assert metrics.localization_rmse_lost_m is None
+    assert metrics.localization_consistent == 0.0  # 49 is beyond the band
+
+
+def test_where_all_carry_a_sensor_all_count_from_the_start(smoke: Scenario) -> None:
+    record = make_tick(0, STARTS.tolist())
+    off = np.array([0.0, 0.5])
+    reports = {robot: replace(report, position=report.position + off) for robot, report in record.reports.items()}
+
+    assert metrics_of(smoke, [replace(record, reports=reports)]).localization_rmse_m == pytest.approx(0.5)

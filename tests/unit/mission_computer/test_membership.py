@@ -19,8 +19,8 @@ def membership() -> Membership:
     return Membership(CONFIG, (1, 2))
 
 
-def report(robot: int, robot_type: int = 1, position: tuple[float, float] = (1.0, 2.0)) -> Report:
-    return Report(NodeId(robot), robot_type, 1, 0, position, 0)
+def report(robot: int, robot_type: int = 1, position: tuple[float, float] = (1.0, 2.0), sigma: float = 0.1) -> Report:
+    return Report(NodeId(robot), robot_type, 1, 0, position, 0, sigma)
 
 
 def presence(x: float, sigma: float = 0.02, robot_type: int = 1) -> Presence:
@@ -70,16 +70,22 @@ def test_a_neighbor_that_never_reported_can_be_lost_too(membership: Membership) 
     assert (member.robot, member.type, member.position, member.goal) == (2, 1, (1.5, 0.0), -1)
 
 
-def test_the_freshest_position_counts_unless_the_robot_does_not_know_it(membership: Membership) -> None:
+def test_the_freshest_position_counts(membership: Membership) -> None:
     membership.take_report(report(2), 0.0)
-    membership.take_presence(NodeId(2), presence(1.5), 1.0)
-    membership.take_presence(NodeId(2), presence(9.0, sigma=1000.0), 2.0)
-    membership.take_presence(NodeId(4), presence(9.0, sigma=1000.0), 2.0)
+    membership.take_presence(NodeId(2), presence(1.5, sigma=0.3), 1.0)
 
-    assert [(member.position, member.epoch, member.goal) for member in membership.lost(50.0)] == [
-        ((1.5, 0.0), 1, 0),
-        (None, 0, -1),
+    assert [(one.position, one.epoch, one.goal, one.sigma) for one in membership.lost(50.0)] == [
+        ((1.5, 0.0), 1, 0, 0.3)
     ]
+
+
+def test_of_a_robot_that_does_not_know_where_it_is_nobody_knows_where_its_body_stands(membership: Membership) -> None:
+    membership.take_report(report(2), 0.0)
+    membership.take_presence(NodeId(2), presence(9.0, sigma=2.0), 2.0)
+    membership.take_report(report(3, sigma=0.2), 0.0)
+    membership.take_report(report(3, sigma=20.0), 2.0, np.array([5.0, 5.0]))
+
+    assert [(one.position, one.ahead, one.goal) for one in membership.lost(50.0)] == [(None, None, 0)] * 2
 
 
 def test_who_claims_a_type_that_the_roster_lacks_is_no_member(membership: Membership) -> None:

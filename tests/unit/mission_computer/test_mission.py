@@ -43,7 +43,7 @@ class Radio:
         assert self.mesh.send(MISSION, encode_body(body))
 
     def report(self, epoch: int, mode: Mode = Mode.TRAVELING) -> None:
-        self.tell(Report(self.id, 1, epoch, 0, (1.0, 2.0), int(mode)))
+        self.tell(Report(self.id, 1, epoch, 0, (1.0, 2.0), int(mode), 0.1))
 
 
 class Air:

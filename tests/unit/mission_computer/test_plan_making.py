@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shapely import LineString, Point, Polygon
 
 from mission_computer.membership import Member
-from mission_computer.plan_making import PlanMaker, body_outline
+from mission_computer.plan_making import DOUBT_MAX_M, SIGMAS, PlanMaker, body_outline
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
 from swarm_msgs_py.messages.bodies import Plan
@@ -100,7 +102,20 @@ def test_bodies_are_obstacles_of_the_plan_beside_those_of_the_map(maker: PlanMak
     assert len(plan.obstacles) == 2
     np.testing.assert_array_equal(plan.obstacles[0], first.obstacles[0])
     np.testing.assert_array_equal(plan.obstacles[1], body_outline((4.0, 4.0), SMALL.coverage_radius_m))
+    assert (first.bodies, plan.bodies) == (0, 1)
     assert len(plan.goals) == 7
+
+
+def test_the_outline_of_a_body_is_as_wide_as_its_place_is_uncertain(maker: PlanMaker) -> None:
+    maker.for_shape(1, SQUARE, ())
+    there = np.array([4.0, 4.0])
+    widths = [
+        float(np.ptp(maker.for_members(2, [replace(dead(7, there), sigma=sigma)]).obstacles[-1][:, 0]))
+        for sigma in (0.0, 0.2, 5.0)
+    ]
+
+    assert widths[1] - widths[0] == pytest.approx(2 * SIGMAS * 0.2, abs=0.03)
+    assert widths[2] - widths[0] == pytest.approx(2 * DOUBT_MAX_M, abs=0.03)
 
 
 def test_when_all_are_back_the_first_goals_are_in_force_again(maker: PlanMaker, first: Plan) -> None:

@@ -50,16 +50,71 @@ def test_results_of_other_code_are_known_as_such(tmp_path: Path) -> None:
     assert ResultFile(path, "v2").records.keys() == {"a", "b"}
 
 
-def test_any_edit_of_the_source_makes_another_version(tmp_path: Path) -> None:
-    source = tmp_path / "scripts" / "one.py"
-    source.parent.mkdir()
-    source.write_text("A = 1\n")
+def test_a_result_that_was_made_anew_is_not_outdated(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    ResultFile(path, "v1").append("a", {"rms_m": 1.0})
+    file = ResultFile(path, "v2")
+    file.append("a", {"rms_m": 2.0})
+
+    assert file.outdated == ResultFile(path, "v2").outdated == set()
+    assert ResultFile(path, "v1").outdated == {"a"}
+    assert ResultFile(path, "v2").records == {"a": {"rms_m": 2.0}}
+
+
+def test_a_warning_speaks_only_of_the_runs_that_are_wanted(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    for key in ("a", "b"):
+        ResultFile(path, "v1").append(key, {"rms_m": 1.0})
+
+    assert ResultFile(path, "v2").warning(["b", "c"]).startswith(f"warning: 1 of the results in {path}")
+    assert ResultFile(path, "v2").warning(["c"]) == ""
+
+
+@pytest.mark.parametrize(
+    "line", ['{"run": "a"}', '{"run": "a", "result": {}}', '{"run": "a", "code": "v1", "result": 1}']
+)
+def test_a_short_line_counts_as_none(line: str, tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    path.write_text(f"{line}\n")
+
+    assert ResultFile(path, "v1").records == {}
+
+
+def test_without_a_path_results_are_kept_in_memory_only() -> None:
+    file = ResultFile(None, "v1")
+    file.append("a", {"rms_m": 1.0})
+
+    assert file.records == {"a": {"rms_m": 1.0}}
+
+
+@pytest.mark.parametrize("name", ["scripts/one.py", "scripts/scenarios/one.yaml", "ros_ws/src/shape/library/one.json"])
+def test_any_edit_of_source_or_data_makes_another_version(name: str, tmp_path: Path) -> None:
+    source = tmp_path / name
+    source.parent.mkdir(parents=True)
+    source.write_text("A: 1\n")
     before = code_version(tmp_path)
-    source.write_text("A = 2\n")
+    source.write_text("A: 2\n")
 
     assert code_version(tmp_path) != before
-    source.write_text("A = 1\n")
+    source.write_text("A: 1\n")
     assert code_version(tmp_path) == before
+
+
+@pytest.mark.parametrize("name", ["scripts/scenarios/scenario.schema.json", "scripts/notes.md", "benchmarks/one.py"])
+def test_what_no_run_reads_makes_no_other_version(name: str, tmp_path: Path) -> None:
+    before = code_version(tmp_path)
+    (tmp_path / name).parent.mkdir(parents=True)
+    (tmp_path / name).write_text("{}")
+
+    assert code_version(tmp_path) == before
+
+
+def test_folders_that_count_can_be_named(tmp_path: Path) -> None:
+    (tmp_path / "benchmarks").mkdir()
+    before = code_version(tmp_path, ["benchmarks"])
+    (tmp_path / "benchmarks" / "one.py").write_text("A = 1")
+
+    assert code_version(tmp_path, ["benchmarks"]) != before
 
 
 def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:

@@ -68,3 +68,25 @@ def test_motion_is_no_reason_to_lose_oneself(motion: Motion) -> None:
     assert rest is not None
     assert other is not None
     assert np.isclose(rest, other, atol=0.5)
+
+
+def test_a_robot_that_drives_and_ranges_almost_without_noise_is_where_it_says() -> None:
+    scores = run_formation(cell(share=0.5, sigma_m=0.01, motion=Motion.WANDER), 1, SHORT)
+
+    # In one tick a robot drives up to 0.25 m: estimates belong to the truth at the same instant.
+    assert scores.rms_m is not None
+    assert scores.max_m is not None
+    assert scores.rms_m < 0.04
+    assert scores.max_m < 0.1
+
+
+def test_a_robot_that_knows_that_it_stands_knows_much_better_where() -> None:
+    trial = Trial(robots=14, duration_s=60.0, warm_up_s=30.0)
+    rest, parked = (
+        run_formation(cell(share=0.3, period_s=3.0, motion=motion), 1, trial).rms_m
+        for motion in (Motion.REST, Motion.PARKED)
+    )
+
+    assert rest is not None
+    assert parked is not None
+    assert parked < 0.6 * rest

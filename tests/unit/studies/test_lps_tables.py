@@ -97,6 +97,13 @@ def test_a_table_has_only_cells_with_results() -> None:
     ]
 
 
+def test_a_warning_about_the_results_stands_above_the_tables() -> None:
+    text = as_markdown(Design(), Trial(), 1, summary_of((BEST, 1, {"rms_m": 0.2})), "warning: made by other code")
+
+    assert 0 < text.index("**warning: made by other code**") < text.index("## ")
+    assert "warning" not in as_markdown(Design(), Trial(), 1, summary_of((BEST, 1, {"rms_m": 0.2})))
+
+
 def test_the_figure_has_a_panel_per_sweep_with_results_and_none_without() -> None:
     one = study_figure(Design(), Trial(), summary_of((BEST, 1, {"rms_m": 0.2, "max_m": 1.0})))
 

@@ -75,10 +75,10 @@ def with_two_goals() -> Mind:
     return mind
 
 
-def test_waits_for_all_rows_of_its_type() -> None:
+def test_between_its_goals_it_waits_for_all_rows_of_its_type() -> None:
     mind = with_two_goals()
 
-    decision = mind.strategy.step(0, ORIGIN)
+    decision = mind.strategy.step(0, np.array([2.0, 0.0]))
 
     assert decision.mode is Mode.UNASSIGNED
     assert decision.destination is None
@@ -103,6 +103,33 @@ def test_patience_ends() -> None:
     decisions = [mind.strategy.step(tick, ORIGIN) for tick in range(ticks + 1)]
 
     assert [d.goal for d in decisions] == [-1] * ticks + [0]
+
+
+def test_far_from_the_shape_it_sets_out_before_the_rows_are_complete() -> None:
+    mind = with_two_goals()
+
+    decision = mind.strategy.step(0, np.array([40.0, 0.0]))
+
+    assert decision.goal == -1
+    assert decision.destination is not None
+
+
+def test_a_new_plan_for_the_same_shape_leaves_it_on_its_way_and_one_for_another_shape_does_not() -> None:
+    mind = with_two_goals()
+    mind.hear_row(2, [0, 500])
+    mind.strategy.step(0, ORIGIN)
+    plan = mind.consensus.plan
+    assert plan is not None
+
+    mind.consensus.book.adopt(replace(plan, epoch=2))
+    same = mind.strategy.step(1, ORIGIN)
+    mind.consensus.book.adopt(replace(plan, epoch=3, contour=plan.contour + 50.0, goals=plan.goals + 50.0))
+    other = mind.strategy.step(2, ORIGIN)
+
+    assert same.destination is not None
+    assert_array_equal(same.destination, FAR)
+    assert other.destination is not None
+    assert other.destination.min() >= 50.0
 
 
 def test_a_late_row_changes_the_decision() -> None:
@@ -336,3 +363,15 @@ def test_who_has_no_goal_but_a_route_to_the_mission_computer_stays(monkeypatch: 
     modes = {mind.strategy.step(tick, np.array([90.0, 0.0])).mode for tick in range(60)}
 
     assert modes == {Mode.UNASSIGNED}
+
+
+def test_who_loses_its_goal_to_a_new_plan_waits_for_a_newer_one_before_it_goes_to_meet_others() -> None:
+    mind = Mind()
+    mind.consensus.book.adopt(make_plan(np.array([NEAR])))
+    ticks = round(CONFIG.rally_after_s / PERIOD)
+    assert [mind.strategy.step(tick, ORIGIN).goal for tick in range(5 * ticks)][-1] == 0
+    mind.consensus.book.adopt(make_plan(np.array([NEAR]), types=[2], epoch=2))
+
+    modes = [mind.strategy.step(tick, ORIGIN).mode for tick in range(5 * ticks, 6 * ticks + 2)]
+
+    assert modes == [Mode.UNASSIGNED] * ticks + [Mode.SEARCHING] * 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -12,6 +14,7 @@ from numpy.testing import assert_allclose
 
 from mission_computer.shape.library import library_points
 from swarm_agent.decision.homing import INSIDE_M, home_destination, home_point
+from swarm_agent.planning.configuration_space import ConfigurationSpace, disc_polygon
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -68,6 +71,54 @@ def test_in_a_shape_thinner_than_the_margin_home_is_still_inside(width: float) -
 
     assert_allclose(home_point(strip), [4.5, width / 2.0], atol=0.3 * width)
     assert depth(strip, home_point(strip)) > 0.1 * width
+
+
+DISC = disc_polygon(0.5, 16)
+PLATE = np.array([[-6, -4], [6, -4], [6, 4], [-6, 4]], dtype=float)  # its center is the origin
+
+
+def square(x: float, y: float, half: float) -> FloatArray:
+    return np.array([x, y]) + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], dtype=float)
+
+
+@pytest.mark.parametrize(
+    "obstacles",
+    [
+        (square(0.0, 0.0, 0.3),),
+        (square(0.7, 0.0, 0.3),),
+        (square(0.0, 0.5, 0.3), square(-1.0, 0.0, 0.6)),
+        (square(0.0, 0.0, 2.8),),
+        (square(0.0, 9.0, 10.0),),
+    ],
+)
+def test_where_home_is_taken_it_is_the_nearest_free_point_inside(obstacles: tuple[FloatArray, ...]) -> None:
+    space = ConfigurationSpace(obstacles, DISC)
+    assert not space.is_free(home_point(PLATE))
+
+    home = home_point(PLATE, space)
+
+    assert space.is_free(home)
+    margin = min(depth(PLATE, home), INSIDE_M)
+    assert margin > 0.2
+    grid = np.stack(np.meshgrid(np.linspace(-6, 6, 121), np.linspace(-4, 4, 81)), axis=-1).reshape(-1, 2)
+    distances = [np.hypot(*point) for point in grid if depth(PLATE, point) >= margin - 1e-9 and space.is_free(point)]
+    assert np.hypot(*home) <= min(distances) + 0.02
+
+
+def test_an_obstacle_beside_home_leaves_it_where_it_is() -> None:
+    space = ConfigurationSpace((square(3.0, 0.0, 1.0),), DISC)
+
+    assert_allclose(home_point(PLATE, space), home_point(PLATE))
+
+
+@pytest.mark.parametrize("contour", [PLATE, PLATE[:2], np.empty((0, 2))], ids=["shape", "segment", "no corner"])
+def test_where_nothing_inside_is_free_home_is_the_nearest_free_point_outside(contour: FloatArray) -> None:
+    space = ConfigurationSpace((square(0.0, 0.0, 9.0),), DISC)
+
+    home = home_point(contour, space)
+
+    assert space.is_free(home)
+    assert np.abs(home).max() == pytest.approx(9.5)
 
 
 # Field `home_point` of the shapes' data sheets; made apart from this code.
@@ -148,6 +199,12 @@ def test_who_is_nearer_goes_on_and_who_is_behind_stops_at_the_spacing() -> None:
     assert destination(3, (3.9, -2.0), {4: returning(1.0, -2.0)}) is None
     assert destination(3, (4.1, -2.0), {4: returning(1.0, -2.0)}) is HOME
     assert destination(4, (1.0, -2.0), {3: returning(3.9, -2.0)}) is HOME
+
+
+def test_who_returns_and_asks_for_way_is_still_one_that_returns() -> None:
+    held_up = replace(returning(1.0, -2.0), asks_for_way=True)
+
+    assert destination(3, (3.9, -2.0), {4: held_up}) is None
 
 
 def test_of_two_at_the_same_distance_the_lower_address_goes_on() -> None:

@@ -11,13 +11,14 @@ from builders import make_presence
 
 from swarm_agent.localization import hypotheses
 from swarm_agent.localization.config import LpsConfig, LpsMode
-from swarm_agent.localization.localizer import WALLS_AFTER, Estimate, Localizer
+from swarm_agent.localization.localizer import Estimate, Localizer
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray, NodeId
 
 DT = 0.5
+WALLS_AFTER = round(LpsConfig().walls_after_s / DT)  # ticks
 STILL = ImuSample(np.zeros(2), 0.0, 0.0)
 NO_RANGES = RangeScan(np.zeros(0, dtype=np.int64), np.zeros(0))
 STOP = np.zeros(2)

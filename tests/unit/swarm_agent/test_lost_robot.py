@@ -12,9 +12,9 @@ from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
 from swarm_agent.localization.config import LostConfig, LostRule, LpsConfig
 from swarm_msgs_py.body_codec import decode_body, encode_body
-from swarm_msgs_py.frames import decode_frame
+from swarm_msgs_py.frames import decode_frame, encode_frame
 from swarm_msgs_py.messages.bodies import CostRow, Plan
-from swarm_msgs_py.messages.radio import Hello, Packet
+from swarm_msgs_py.messages.radio import Hello, Packet, RouteRows
 from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -27,6 +27,7 @@ START = np.array([20.0, 0.0])
 GOAL = np.array([[28.0, 6.0]])
 WALL = np.array([[9.0, -5.0], [11.0, -5.0], [11.0, 5.0], [9.0, 5.0]])  # between the start and home
 BEACONS = {NodeId(7): (3.0, 0.0), NodeId(8): (-3.0, 2.0), NodeId(9): (0.0, -3.0)}
+NO_ROWS = RouteRows(*(np.zeros(0, dtype=np.int64),) * 3)
 REACH = 6.0  # of the beacons' radios here [m]; home is the origin
 
 
@@ -50,7 +51,7 @@ class World:
         if plan is not None:
             self._radios[MISSION].flood(encode_body(plan))
 
-    def step(self) -> AgentOutputs:
+    def step(self, **changes: object) -> AgentOutputs:
         near = [node for node, place in BEACONS.items() if np.hypot(*(self.position - place)) < REACH]
         ranges = np.array([np.hypot(*(self.position - BEACONS[node])) for node in near])
         inputs = make_agent_inputs(
@@ -60,7 +61,7 @@ class World:
             ranges=RangeScan(np.array(near, dtype=np.int64), ranges),
             inbox=self._heard,
         )
-        outputs = self.agent.step(inputs)
+        outputs = self.agent.step(replace(inputs, **changes))
         self._listen(near)
         self._sent = outputs.outbox
         self._record(outputs)
@@ -178,6 +179,43 @@ def test_a_robot_at_home_waits_there_for_beacons() -> None:
     assert np.ptp(np.array(world.track[-20:]), axis=0).max() < 0.05
 
 
+def test_a_dead_robot_s_body_on_the_home_point_does_not_keep_a_robot_from_returning() -> None:
+    home = np.array([30.0, 0.0])
+    body = home + [0.0, 0.3] + 0.3 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    plan = replace(make_plan(GOAL), contour=make_plan(GOAL).contour + home, obstacles=(body,))
+    world = World(LostConfig(rule=LostRule.BEACONS), plan)
+
+    report = world.run(60.0)
+
+    assert report.mode is Mode.RETURN_HOME
+    assert np.hypot(*(world.position - home)) < 1.0
+
+
+def boxed_in(world: World, seconds: float) -> list[tuple[Mode, bool]]:
+    """Run with obstacles all around; return what the robot then does, and whether its hellos ask for way."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    ring = 0.24 * np.column_stack([np.cos(angles), np.sin(angles)])
+    said = []
+    for _ in range(round(seconds / PERIOD)):
+        outputs = world.step(proximity=ring)
+        (hello,) = [frame for frame in map(decode_frame, outputs.outbox) if isinstance(frame, Hello)]
+        assert hello.presence.mode == outputs.report.mode
+        said.append((outputs.report.mode, hello.presence.asks_for_way))
+    return said
+
+
+def test_a_blocked_robot_asks_for_way_and_stays_visible_as_one_that_returns_home() -> None:
+    plan = replace(make_plan(GOAL), contour=make_plan(GOAL).contour + np.array([30.0, 0.0]))
+    world = World(LostConfig(rule=LostRule.BEACONS), plan)
+
+    traveling = boxed_in(world, 6.0)
+    returning = boxed_in(world, 20.0)
+
+    assert traveling[-1] == (Mode.BLOCKED, True)
+    assert (Mode.TRAVELING, False) in traveling
+    assert returning[-1] == (Mode.RETURN_HOME, True)
+
+
 def test_behind_another_robot_that_returned_it_stops_at_the_spacing() -> None:
     plan = replace(
         make_plan(GOAL), contour=make_plan(GOAL).contour + np.array([30.0, 0.0])
@@ -231,9 +269,14 @@ def test_a_dead_position_sensor_is_no_beacon_to_the_neighbors() -> None:
 
 def test_beacons_in_the_hellos_but_not_in_the_routes_are_counted() -> None:
     world = World(LostConfig(rule=LostRule.BEACONS), make_plan(GOAL), start=np.array([0.0, 0.5]))
-
     world.run(3.0)
-    agree = world.reports[-1].localization.disagreements
-
     assert world.reports[-1].beacons == 3
-    assert agree == 0
+    assert world.reports[-1].localization.disagreements == 0
+
+    for number in range(5):  # a radio that is heard and advertises no route, not even to itself
+        mute = Hello(NodeId(3), number, make_presence(1.0, 1.0, tick=world.tick), NO_ROWS)
+        world.overhear((encode_frame(mute),))
+        report = world.step().report
+
+    assert report.beacons == 4
+    assert report.localization.disagreements == 5

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from builders import make_presence
 from numpy.testing import assert_allclose, assert_array_equal
 
-from swarm_agent.localization.observations import AGE_MAX, RangeObservations, observe
+from swarm_agent.localization.observations import VAGUE_M, RangeObservations, observe, strangers
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
 from swarm_msgs_py.messages.sensing import RangeScan
 from swarm_msgs_py.types import NodeId
 
 DT = 0.5
+AGE_MAX = 8  # ticks
 TICK = 100
 
 
@@ -29,7 +31,7 @@ def heard(**neighbors: Presence) -> dict[NodeId, Presence]:
 def seen_at(
     tick: int, scan: RangeScan, neighbors: Mapping[NodeId, Presence]
 ) -> tuple[RangeObservations, RangeObservations]:
-    return observe(scan, neighbors, tick, DT)
+    return observe(scan, neighbors, tick, DT, AGE_MAX)
 
 
 def counts(pair: Sequence[RangeObservations]) -> tuple[int, int]:
@@ -126,3 +128,20 @@ def test_a_mask_picks_whole_observations() -> None:
     assert_array_equal(picked.positions[:, 0], [1.0, 3.0])
     assert_allclose(picked.covariances[:, 0], [1.0, 9.0])
     assert_array_equal(picked.shared, [0.1, 0.3])
+
+
+def test_strangers_are_robots_that_hardly_know_where_they_are_and_gave_a_range() -> None:
+    lost = make_presence(sigma=SIGMA_UNKNOWN)
+    neighbors = {
+        NodeId(1): make_presence(sigma=0.9 * VAGUE_M),
+        NodeId(2): make_presence(sigma=1.1 * VAGUE_M),
+        NodeId(3): lost,
+        NodeId(4): lost,
+        NodeId(5): replace(lost, robot_type=0),
+        NodeId(6): lost,
+    }
+
+    assert strangers(scan_of((1, 1.0), (2, 2.0), (3, 3.0), (4, np.nan), (5, 5.0), (9, 9.0)), neighbors).tolist() == [
+        2,
+        3,
+    ]

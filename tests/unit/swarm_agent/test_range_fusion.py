@@ -373,3 +373,21 @@ def test_a_filter_that_takes_neighbors_for_beacons_is_a_hundred_times_too_sure()
 
     assert max(claims) < 0.01 * joint_optimum(points, 100)
     assert np.mean(errors) > 10.0 * np.mean(claims)
+
+
+@pytest.mark.parametrize(("mine", "theirs"), [(1.0, 1.0), (4.0, 1.0), (0.5, 2.0)])
+def test_what_two_robots_have_in_common_after_they_ranged_to_each_other_counts_as_shared(
+    mine: float, theirs: float
+) -> None:
+    """Two errors that were independent: e_i <- e_i + g_i (e_j - e_i + noise), and the other way around."""
+    belief = SplitBelief(belief_at(np.zeros(2), np.diag([mine, mine]), 0.1, 0.0), 0.0)
+    distance = 1e4  # so far that circles are lines
+
+    after = fuse_neighbors(belief, one((distance, 0.0), distance, variance=theirs), OPEN).belief
+
+    noise = MODEL.sigma**2
+    gain = mine / (mine + MODEL.inflation * theirs + noise)
+    their_gain = theirs / (theirs + MODEL.inflation * mine + noise)
+    covariance = (1.0 - gain) * their_gain * mine + gain * (1.0 - their_gain) * theirs
+    shared = after.shared * float(after.gaussian.covariance[0, 0])
+    assert covariance <= shared <= 2.5 * covariance

@@ -112,9 +112,36 @@ def test_row_bundle_survives_the_air() -> None:
 
 @pytest.mark.parametrize("goal", [-1, 0, 49])
 def test_report_survives_the_air(goal: int) -> None:
-    report = Report(NodeId(4), 1, 70000, goal, (1.5, -2.5), 3)
+    report = Report(NodeId(4), 1, 70000, goal, (1.5, -2.5), 3, 0.25)
 
     assert decode_body(encode_body(report)) == report
+
+
+@pytest.mark.parametrize(("sigma", "heard"), [(0.0, 0.0), (0.231, 0.24), (0.24, 0.24), (1e4, 655.35), (np.inf, 655.35)])
+def test_nobody_thinks_a_reported_place_more_certain_than_it_is(sigma: float, heard: float) -> None:
+    report = decode_body(encode_body(Report(NodeId(4), 1, 1, 0, (0.0, 0.0), 3, sigma)))
+
+    assert isinstance(report, Report)
+    assert report.sigma == pytest.approx(heard)
+    assert decode_body(encode_body(report)) == report
+
+
+def test_a_plan_tells_bodies_from_walls() -> None:
+    wall, body = TRIANGLE + 10.0, TRIANGLE - 10.0
+
+    for bodies, walls in ((0, 2), (1, 1), (2, 0)):
+        plan = decode_body(encode_body(replace(make_plan(), obstacles=(wall, body), bodies=bodies)))
+        assert isinstance(plan, Plan)
+        assert [len(plan.walls), len(plan.body_outlines)] == [walls, bodies]
+        assert_array_equal(np.concatenate([*plan.walls, *plan.body_outlines]), np.concatenate([wall, body]))
+
+
+def test_a_plan_with_more_bodies_than_obstacles_is_refused() -> None:
+    data = bytearray(encode_body(make_plan()))
+    struct.pack_into("<H", data, 1 + 4 + 2 + 2, 3)  # after kind, epoch, contour, obstacles
+
+    with pytest.raises(FrameError, match="3 bodies among 2 obstacles"):
+        decode_body(bytes(data))
 
 
 def test_receivers_share_one_read_only_record() -> None:
@@ -134,10 +161,12 @@ def test_receivers_share_one_read_only_record() -> None:
         make_row(version=65536),
         replace(make_row(), weight=0),
         replace(make_row(), weight=WEIGHT_MAX + 1),
-        Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0),
-        Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0),
+        Report(NodeId(1), 1, 1, 0, (float("nan"), 0.0), 0, 0.1),
+        Report(NodeId(1), 1, 1, 40000, (0.0, 0.0), 0, 0.1),
         Plan(1, np.full((3, 2), np.inf), (), TRIANGLE, np.array([1, 1, 1])),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1])),
+        Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), 2),
+        Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), -1),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
     ],
     ids=[
@@ -150,6 +179,8 @@ def test_receivers_share_one_read_only_record() -> None:
         "goal",
         "infinite contour",
         "types missing",
+        "too many bodies",
+        "negative bodies",
         "type",
     ],
 )
@@ -167,7 +198,7 @@ def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
         (encode_body(make_row())[:-1], "ends early"),
         (row_with(objective=len(Objective)), "unknown objective: 2"),
         (row_with(weight=0), "weight 0"),
-        (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))[:-5] + b"\x00\x00\xc0\x7f\x00", "finite"),
+        (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0, 0.1))[:-7] + b"\x00\x00\xc0\x7f\x00\x0a\x00", "finite"),
     ],
     ids=["empty", "kind", "long", "short", "objective", "weight", "nan"],
 )
@@ -184,7 +215,7 @@ def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_redu
         encode_body(plan)
 
     text = str(caught.value)
-    assert f"Plan of {1 + 19 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
+    assert f"Plan of {1 + 21 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
     assert "16000 goals of 5 bytes, 3 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer goals" in text
     assert "\n" not in text
 
@@ -221,10 +252,10 @@ def test_the_size_of_a_row_is_what_it_adds_to_a_bundle() -> None:
 @pytest.mark.parametrize("x", [2e6, -1e30, float("inf"), float("nan")])
 def test_absurd_coordinates_are_refused_on_both_ends(x: float) -> None:
     far = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, x]])
-    near = encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0))
+    near = encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0, 0.1))
 
-    for body in (Plan(1, far, (), TRIANGLE, np.ones(3, dtype=np.int64)), Report(NodeId(1), 1, 1, 0, (0.0, x), 0)):
+    for body in (Plan(1, far, (), TRIANGLE, np.ones(3, dtype=np.int64)), Report(NodeId(1), 1, 1, 0, (0.0, x), 0, 0.1)):
         with pytest.raises(FrameError, match="not finite, or beyond"):
             encode_body(body)
     with pytest.raises(FrameError, match="not finite, or beyond"):
-        decode_body(near[:-5] + struct.pack("<f", x) + near[-1:])
+        decode_body(near[:-7] + struct.pack("<f", x) + near[-3:])

@@ -207,6 +207,24 @@ def test_destination_that_is_said_to_be_lost_outnumbers_the_rumor() -> None:
     assert said(table)[A] == (0, 106)
 
 
+@pytest.mark.parametrize("rumor", [51, 101, 99])
+def test_destination_that_hears_both_of_an_earlier_life_and_of_a_break_outnumbers_both(rumor: int) -> None:
+    table = make_table(A, sequence=50)
+
+    hear_all(table, {B: ((A, 3, 100),), C: ((A, GONE, rumor),)})
+
+    assert table.sequence == 102
+
+
+@pytest.mark.parametrize("heard", [50 + (1 << 15) - 1, 50 + (1 << 15) - 2, 50 + (1 << 15)])
+def test_number_too_far_off_to_tell_whether_it_is_newer_is_not_followed(heard: int) -> None:
+    table = make_table(A, sequence=50)
+
+    hear(table, B, (A, GONE if heard % 2 else 3, heard))
+
+    assert 0 <= table.sequence - 50 < 1 << 15
+
+
 def test_destination_that_has_forgotten_its_number_outnumbers_its_earlier_life() -> None:
     table = make_table(A)
 
@@ -320,6 +338,17 @@ def test_longer_route_of_a_newer_number_is_used_at_once_and_advertised_after_set
     assert said(table, 1102)[D] == (2, 110)
 
 
+def test_one_quick_settling_does_not_undo_what_many_slow_ones_have_taught() -> None:
+    table = make_table(A, NetworkConfig(full_dump_period_s=60.0, settling_max_s=5.0))
+    for sequence in range(100, 110, 2):
+        hear(table, C, (D, 4, sequence), tick=10 * sequence)
+        hear(table, B, (D, 1, sequence), tick=10 * sequence + 2)
+    hear(table, B, (D, 1, 110), tick=1100)
+    hear(table, C, (D, 4, 112), tick=1120)
+
+    assert [D in said(table, tick) for tick in range(1120, 1125)] == [False, False, False, True, False]
+
+
 def test_damped_advert_is_sent_when_no_shorter_route_comes() -> None:
     table = make_table(A, NetworkConfig(full_dump_period_s=60.0, settling_max_s=2.0))
     for sequence in range(100, 110, 2):
@@ -359,3 +388,13 @@ def test_successors_are_ranked_by_hops_with_the_next_hop_first() -> None:
 
     assert table.route(D) == Route(D, C, 2, 100)
     assert table.successors(D) == [(2, C), (2, B)]
+
+
+def test_offer_is_forgotten_before_its_number_looks_new_again() -> None:
+    table = make_table(A, NetworkConfig(full_dump_period_s=1.0, stale_time_s=600.0))
+    hear(table, C, (D, 1, 0), (C, 0, 0))
+    for tick, sequence in enumerate((0x3000, 0x6000, 0x9000), start=2):
+        hear(table, B, (D, 1, sequence), (C, 1, sequence), tick=tick)
+        said(table, tick)
+
+    assert table.successors(D) == [(2, B)]

@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from mesh_lab import MeshLab
 from oracles import hop_counts
 
+from swarm_msgs_py.body_codec import encode_body
+from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.radio import Packet
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.flooding import FloodQueue, RelayPolicy, Vicinity, must_relay, policy_against
@@ -89,6 +92,37 @@ def test_own_packets_go_first_and_without_question_then_the_oldest() -> None:
     vicinity = make_vicinity([1, 2])
 
     assert [queue.next(0, vicinity, ONE_COPY) for _ in range(4)] == [own, first, second, None]
+
+
+def test_a_plan_overtakes_everything_that_waits_at_every_radio_on_its_way() -> None:
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]])
+    plan = encode_body(Plan(7, square, (), square, np.array([1, 1, 1])))
+    queue, vicinity = FloodQueue(8), make_vicinity([1, 2])
+    queue.put_own(0, make_packet(1, ME))
+    queue.put(0, make_packet(2), NodeId(1))
+    queue.put(1, replace(make_packet(3), body=plan), NodeId(1))
+
+    sent = [queue.next(9, vicinity, ONE_COPY) for _ in range(3)]
+
+    assert [packet.number for packet in sent if packet is not None] == [3, 1, 2]
+
+
+@pytest.mark.parametrize(("crowd", "relays"), [(3, True), (30, False)])
+def test_a_plan_is_relayed_once_more_than_needed_unless_there_is_a_crowd(crowd: int, relays: bool) -> None:
+    """All neighbors are said to have heard the transmitter, which may have been true a moment ago."""
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]])
+    plan = encode_body(Plan(7, square, (), square, np.array([1, 1, 1])))
+    names = range(1, crowd + 1)
+    vicinity = make_vicinity(names, [(1, other) for other in names if other > 1])
+    sent = {b"": 0, plan: 0}
+    for body in sent:
+        for number in range(20):  # radios take turns
+            queue = FloodQueue(8)
+            queue.put(0, replace(make_packet(number), body=body), NodeId(1))
+            sent[body] += queue.next(9, vicinity, ONE_COPY) is not None
+
+    assert sent[b""] == 0
+    assert (sent[plan] > 0) == relays
 
 
 def test_a_packet_that_others_have_relayed_while_it_waited_is_given_up() -> None:
@@ -246,3 +280,12 @@ def test_a_crowd_that_floods_at_once_keeps_to_its_share_of_the_channel_and_gets_
 
     assert max(loads[k] + loads[k + 1] for k in range(59)) <= paced / 8 + radios * 600
     assert all(len(lab.deliveries[node]) == 19 * 20 for node in range(radios))
+
+
+def test_what_has_waited_for_too_long_is_dropped() -> None:
+    queue = FloodQueue(4, stay_ticks_max=5)
+    queue.put_own(0, make_packet(1))
+    vicinity = Vicinity(NodeId(0), np.zeros(0, dtype=np.int64), np.zeros((0, 0), dtype=np.bool_))
+
+    assert queue.next(6, vicinity, RelayPolicy(1)) is None
+    assert (len(queue), queue.dropped) == (0, 1)

@@ -360,3 +360,19 @@ def test_more_arrivals_than_a_frame_can_acknowledge_are_acknowledged_in_several(
 
     acknowledged = [frame.packets for frame in frames if isinstance(frame, Acknowledgement)]
     assert [number for some in acknowledged for _, _, number in some] == list(range(2500))
+
+
+def test_a_packet_for_a_broken_route_makes_its_break_known_once_more() -> None:
+    said = []
+    for packets in ([], [encode_frame(Packet(A, 1, B, A, C, 9, 5, b"x"))]):
+        lab = MeshLab(3, CHAIN[:2])
+        lab.run(SETTLED)
+        lab.leave(C)
+        lab.run(5)
+        lab._inboxes[B] += packets
+        lab.receive()
+        hello = decode_frame(lab.nodes[B].transmit(lab.tick, make_presence())[0])
+        assert isinstance(hello, Hello)
+        said.append({int(d): int(h) for d, h in zip(hello.routes.destinations, hello.routes.hops, strict=True)}.get(C))
+
+    assert said == [None, 255]

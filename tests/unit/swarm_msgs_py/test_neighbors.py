@@ -100,3 +100,12 @@ def test_hellos_that_come_late_are_not_lost() -> None:
     hear_for(table, [(tick, tick ^ 1) for tick in range(400)])
 
     assert table.loss <= 0.05
+
+
+def test_a_clock_that_leaps_is_not_taken_for_thousands_of_lost_hellos() -> None:
+    table = NeighborTable(missed_adverts=3)
+
+    for tick, spoken in ((1, 1), (2, 5000)):
+        table.hear(tick, [Hello(NodeId(1), tick, make_presence(tick=spoken), NO_ROWS)])
+
+    assert 0.0 < table.loss < 0.2

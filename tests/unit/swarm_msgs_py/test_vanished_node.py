@@ -50,3 +50,23 @@ def test_a_node_that_starts_late_says_nothing_until_all_must_have_forgotten_an_e
         sent.append(len(node.transmit(tick, make_presence())))
 
     assert sent == [0] * 6 + [1] * 4  # three missed hellos, one tick of delay, one on the air and one to hear it
+
+
+@pytest.mark.parametrize("late", [1, 4, 10])
+def test_a_neighbor_that_keeps_hearing_an_earlier_life_is_not_led_in_a_circle_by_the_next_one(late: int) -> None:
+    """Of the last hellos of node 1, every other one reaches node 0 as late as the network is told to bear."""
+    config = NetworkConfig(delay_max_s=late * PERIOD_S, stale_time_s=60.0, full_dump_period_s=2.0)
+    lab = MeshLab(3, CHAIN[:2], config=config)
+    lab.run(SETTLED)
+    for number in range(SETTLED):
+        lab.run(1)
+        if number % 2:
+            held_back = lab._inboxes.pop(0)
+            lab._late.setdefault(lab.tick - 1 + late, {})[0] = held_back
+    assert NodeId(2) in lab.nodes[0].reachable
+
+    lab.join(1)
+    lab.leave(2)
+    for _ in range(40):
+        lab.run(1)
+        assert lab.routing_loop() == []

@@ -12,7 +12,7 @@ from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 
-SIGMA_MAX = 5.0  # [m]; a robot less certain than this of where it is says nothing of use about where its body stands
+SIGMA_MAX = 1.0  # [m]; a robot less certain than this of where it is says nothing of use about where its body stands
 HELLO_GAP_S = 1.0  # [s]; the hello that a neighbor misses last, and what it takes to stop
 NAMED_MAX = 4  # robots that a one-line notice names
 
@@ -27,7 +27,7 @@ class Member:
     type : int
         Type number.
     position : (x, y) or None
-        Where it last said it was [m]; None if it did not know.
+        Where it last said it was [m]; None if it did not know well enough to say anything of use.
     epoch, goal : int
         The goal that it last reported, -1 for none, and the plan which that goal belongs to.
     heard_at : float
@@ -35,6 +35,8 @@ class Member:
     ahead : (x, y) or None
         The farthest that it may have got after it last said where it was [m]; None if it was at rest, or nothing is
         known of its way. Who is lost has not driven on, but it may have died on the way.
+    sigma : float
+        Standard deviation of that position [m].
     """
 
     robot: NodeId
@@ -44,6 +46,7 @@ class Member:
     goal: int
     heard_at: float
     ahead: tuple[float, float] | None = None
+    sigma: float = 0.0
 
 
 class Membership:
@@ -79,11 +82,13 @@ class Membership:
         """Note what a robot reported, at `time` [s], and where its goal is [m], if that is known."""
         if report.robot_type not in self._types:
             return
-        ahead = None
-        if destination is not None and report.mode != Mode.PARKED:
-            ahead = _toward(report.position, destination, self._config.body_drift_m)
+        position, ahead = None, None
+        if report.sigma <= SIGMA_MAX:
+            position = report.position
+            if destination is not None and report.mode != Mode.PARKED:
+                ahead = _toward(position, destination, self._config.body_drift_m)
         self._members[report.robot] = Member(
-            report.robot, report.robot_type, report.position, report.epoch, report.goal, time, ahead
+            report.robot, report.robot_type, position, report.epoch, report.goal, time, ahead, report.sigma
         )
 
     def take_presence(self, robot: NodeId, presence: Presence, time: float) -> None:
@@ -91,13 +96,13 @@ class Membership:
         if presence.robot_type not in self._types:
             return
         known = self._members.get(robot)
-        position, ahead = (known.position, known.ahead) if known else (None, None)
+        position, ahead = None, None
         if presence.sigma <= SIGMA_MAX:
             position = float(presence.position[0]), float(presence.position[1])
             x, y = presence.position + HELLO_GAP_S * presence.velocity
             ahead = None if presence.mode == Mode.PARKED else (float(x), float(y))
         epoch, goal = (known.epoch, known.goal) if known else (0, -1)
-        self._members[robot] = Member(robot, presence.robot_type, position, epoch, goal, time, ahead)
+        self._members[robot] = Member(robot, presence.robot_type, position, epoch, goal, time, ahead, presence.sigma)
 
     def take_routes(self, reachable: Iterable[NodeId], time: float) -> None:
         """Note to whom there is a route. Who has not spoken yet stays expected: its type is not known."""

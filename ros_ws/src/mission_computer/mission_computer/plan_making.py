@@ -17,6 +17,7 @@ from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 CORNERS = 8  # of the polygon around a lost robot's body
+SIGMAS, DOUBT_MAX_M = 2.0, 1.0  # a body may be so far from where it believed to be; more would block too much
 ROUNDING_M = 0.0071  # half the diagonal of a centimeter: so far may a corner be moved when a plan is encoded
 
 
@@ -110,7 +111,8 @@ class PlanMaker:
 
     def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
         """Return a plan that fits a radio packet; one that does not is an error before anything is remembered."""
-        plan = Plan(epoch, contour, self._obstacles + self._bodies(lost), goals.positions, goals.types)
+        bodies = self._bodies(lost)
+        plan = Plan(epoch, contour, self._obstacles + bodies, goals.positions, goals.types, len(bodies))
         encode_body(plan)
         return plan
 
@@ -137,19 +139,21 @@ class PlanMaker:
         for member in lost:
             if member.position is not None:
                 where = shapely.linestrings([member.position, member.ahead or member.position])
-                covered |= shapely.distance(goals, where) < reaches + self._radius(member)
+                covered |= shapely.distance(goals, where) < reaches + self._reach(member)
         return covered
 
     def _bodies(self, lost: Sequence[Member]) -> tuple[FloatArray, ...]:
         """Return a polygon around the body of each lost robot, wherever that is known."""
         return tuple(
-            body_outline(member.position, self._radius(member), member.ahead)
+            body_outline(member.position, self._reach(member), member.ahead)
             for member in lost
             if member.position is not None
         )
 
-    def _radius(self, member: Member) -> float:
-        return float(self._roster.radii_of(np.array([member.type]))[0])
+    def _reach(self, member: Member) -> float:
+        """Return how far from where a lost robot believed to be its body may reach [m]."""
+        radius = float(self._roster.radii_of(np.array([member.type]))[0])
+        return radius + min(SIGMAS * member.sigma, DOUBT_MAX_M)
 
 
 def body_outline(position: tuple[float, float], radius: float, ahead: tuple[float, float] | None = None) -> FloatArray:

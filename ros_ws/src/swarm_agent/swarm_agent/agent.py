@@ -21,8 +21,9 @@ from swarm_agent.localization.hypotheses import widest
 from swarm_agent.localization.localizer import Estimate, Localizer
 from swarm_agent.localization.positioning import PositioningMonitor, Signs
 from swarm_agent.planning.path_planner import PathPlanner, planner_for
+from swarm_msgs_py.binary import COORDINATE_MAX
 from swarm_msgs_py.body_codec import encode_body
-from swarm_msgs_py.messages.bodies import Report
+from swarm_msgs_py.messages.bodies import Plan, Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
 from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode, Positioning
@@ -69,7 +70,6 @@ class Agent:
         self._config = config
         self._type = robot_type
         self._report_every = max(1, round(config.decision.report_period_s / period_s))
-        # Plans may have bodies of dead robots among their obstacles, whose place is not certain; the first map has not.
         self._localizer = Localizer(config.lps, period_s, start, obstacles)
         self._monitor = PositioningMonitor(config.lps, period_s)
         self._mesh = MeshNetwork(robot, config.network, period_s)
@@ -92,6 +92,7 @@ class Agent:
         self._avoidance = Avoidance(config.control.avoidance, robot_type.coverage_radius_m, period_s)
         self._planner: PathPlanner | None = None
         self._mapped: tuple[FloatArray, ...] = ()
+        self._learned: Plan | None = None
         self._reported_epoch = 0
         self._disagreements = 0
         self._told: FloatArray | None = None  # velocity of the last command, body frame
@@ -101,7 +102,7 @@ class Agent:
         """Advance by one tick: the whole flow of one robot, top to bottom."""
         tick, mesh = inputs.tick, self._mesh
         deliveries = mesh.receive(tick, inputs.inbox)
-        to_world = rotation(inputs.imu.yaw)
+        to_world = rotation(self._localizer.heading(inputs.imu))
         around = inputs.proximity @ to_world.T
         estimate = self._localizer.step(
             tick,
@@ -111,10 +112,14 @@ class Agent:
             mesh.neighbors,
             proximity=around,
             told=None if self._told is None else to_world @ self._told,
+            is_blocked=self._avoidance.is_blocked,
         )
+        if estimate is not None and not _can_be_told(estimate):
+            estimate = None
         positioning = self._positioning(inputs, estimate)
         self._consensus.receive(tick, deliveries, mesh)
         self._consensus.repair(tick, mesh)
+        self._learn(self._consensus.plan)
         if estimate is None:
             decision, command = None, STOP
         else:
@@ -122,10 +127,16 @@ class Agent:
             command = self._control(estimate, decision, around, to_world)
         self._told = np.array([command.forward, command.left])
         self._energy.spend(command)
-        mode = self._mode(decision)
+        mode, is_held_up = self._mode(decision)
         self._report(tick, estimate, decision, mode)
-        outbox = mesh.transmit(tick, self._presence(tick, estimate, mode))
-        return AgentOutputs(tick, command, outbox, self._state(inputs, estimate, decision, mode))
+        outbox = mesh.transmit(tick, self._presence(tick, estimate, mode, asks_for_way=is_held_up))
+        return AgentOutputs(tick, command, outbox, self._state(estimate, decision, mode))
+
+    def _learn(self, plan: Plan | None) -> None:
+        """Tell the localizer what a new plan says of walls and bodies."""
+        if plan is not None and plan is not self._learned:
+            self._localizer.learn(plan.walls, plan.body_outlines)
+            self._learned = plan
 
     def _positioning(self, inputs: AgentInputs, estimate: Estimate | None) -> Positioning:
         """Return whether the robot knows where it is; count beacons that the hellos and the routes see differently."""
@@ -146,7 +157,7 @@ class Agent:
         if not is_lost or plan is None:
             return decision  # without a plan there is no shape to return to: the strategy goes and finds one
         if self._home is None or self._home[0] != plan.epoch:
-            self._home = plan.epoch, home_point(plan.contour)
+            self._home = plan.epoch, home_point(plan.contour, self._planner_for(plan.obstacles).space)
         spacing = self._config.lps.lost.spacing_m
         target = home_destination(self.id, estimate.position, self._home[1], self._mesh.neighbors.items(), spacing)
         return Decision(-1, target, Mode.RETURN_HOME, decision.obstacles)
@@ -178,19 +189,21 @@ class Agent:
         """Return the velocity that makes way for a blocked neighbor, None if this robot has its own way to go."""
         if decision.destination is None or self._avoidance.is_blocked or len(self._follower.path) > 1:
             return None
-        asking = [p.position for p in self._mesh.neighbors.values() if p.mode == Mode.BLOCKED]
+        asking = [p.position for p in self._mesh.neighbors.values() if p.asks_for_way]
         if not asking:
             return None
         return make_way(estimate.position, decision.destination, np.array(asking), self._config.control.yielding)
 
-    def _mode(self, decision: Decision | None) -> Mode:
+    def _mode(self, decision: Decision | None) -> tuple[Mode, bool]:
+        """Return what the robot does, and whether it hardly gets on with it; others must know who returns home."""
         if decision is None:
-            return Mode.WAITING
+            return Mode.WAITING, False
         if decision.goal >= 0 and self._follower.is_parked:
-            return Mode.PARKED
-        if decision.destination is not None and self._avoidance.is_blocked:
-            return Mode.BLOCKED
-        return decision.mode
+            return Mode.PARKED, False
+        is_held_up = decision.destination is not None and self._avoidance.is_blocked
+        if is_held_up and decision.mode is not Mode.RETURN_HOME:
+            return Mode.BLOCKED, True
+        return decision.mode, is_held_up
 
     def _report(self, tick: int, estimate: Estimate | None, decision: Decision | None, mode: Mode) -> None:
         """Tell the mission computer how things stand, now and then and as soon as a new plan is held."""
@@ -199,11 +212,11 @@ class Agent:
         if estimate is None or decision is None or not (is_due or epoch != self._reported_epoch):
             return
         x, y = (float(c) for c in estimate.position)
-        report = Report(self.id, self._type.type, epoch, decision.goal, (x, y), int(mode))
+        report = Report(self.id, self._type.type, epoch, decision.goal, (x, y), int(mode), _sigma(estimate))
         if self._mesh.send(MISSION, encode_body(report)):
             self._reported_epoch = epoch
 
-    def _presence(self, tick: int, estimate: Estimate | None, mode: Mode) -> Presence:
+    def _presence(self, tick: int, estimate: Estimate | None, mode: Mode, *, asks_for_way: bool) -> Presence:
         book = self._consensus.book
         return Presence(
             position=estimate.position if estimate else _ORIGIN,
@@ -216,18 +229,17 @@ class Agent:
             mode=int(mode),
             epoch=book.epoch,
             digest=book.digest,
+            asks_for_way=asks_for_way,
         )
 
-    def _state(
-        self, inputs: AgentInputs, estimate: Estimate | None, decision: Decision | None, mode: Mode
-    ) -> AgentReport:
+    def _state(self, estimate: Estimate | None, decision: Decision | None, mode: Mode) -> AgentReport:
         neighbors = self._mesh.neighbors
         monitor, localizer = self._monitor, self._localizer
         return AgentReport(
             position=estimate.position if estimate else np.full(2, np.nan),
             velocity=estimate.velocity if estimate else np.zeros(2),
             covariance=estimate.covariance if estimate else _NO_IDEA,
-            yaw=inputs.imu.yaw,
+            yaw=self._localizer.yaw,
             mode=mode,
             localization=LocalizationReport(
                 positioning=monitor.state,
@@ -247,6 +259,12 @@ class Agent:
             rows=len(self._consensus.book),
             counters=self._mesh.counters,
         )
+
+
+def _can_be_told(estimate: Estimate) -> bool:
+    """Return whether a radio can tell an estimate; who hears beacons beyond the edge of the world knows nothing."""
+    state = np.concatenate((estimate.position, estimate.velocity))
+    return bool((np.abs(state) <= COORDINATE_MAX).all() and np.isfinite(estimate.covariance).all())
 
 
 def _sigma(estimate: Estimate) -> float:

@@ -24,12 +24,14 @@ from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 _KIND = struct.Struct("<B")
 _COUNT = struct.Struct("<H")
-_PLAN = struct.Struct("<IHHHBii")  # epoch; points of the contour, obstacles, goals; log2 of the step [cm]; origin
+_PLAN = struct.Struct("<IHHHHBii")  # epoch; contour, obstacles, bodies, goals; log2 of the step [cm]; origin
 _ROW = struct.Struct("<IHBHBHH")  # epoch, robot, type, version, objective, weight; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
 _COST_SIZE = 2
-_REPORT = struct.Struct("<HBIhffB")  # robot, type, epoch, goal, x, y, mode
+_REPORT = struct.Struct("<HBIhffBH")  # robot, type, epoch, goal, x, y, mode; sigma [cm]
 _CM_PER_M = 100.0
+_SIGMA_MAX = 0xFFFF  # [cm]
+_ROUNDING = 1e-6  # [cm]; what was decoded is encoded as the same number
 _OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
 _DOUBLINGS_MAX = 16
 _OBJECTIVES = tuple(Objective)  # an objective travels as its number in this order
@@ -72,8 +74,14 @@ def _encode(body: Body) -> bytes:
     if isinstance(body, RowBundle):
         return _KIND.pack(_BUNDLE_KIND) + packed(_COUNT, len(body.rows)) + b"".join(map(_encode_row, body.rows))
     packed_points([body.position])  # refuses what is not finite
-    fields = (body.robot, body.robot_type, body.epoch, body.goal, *body.position, body.mode)
+    sigma = math.ceil(min(body.sigma * _CM_PER_M - _ROUNDING, _SIGMA_MAX))  # who receives it may trust it too little
+    fields = (body.robot, body.robot_type, body.epoch, body.goal, *body.position, body.mode, sigma)
     return _KIND.pack(_REPORT_KIND) + packed(_REPORT, *fields)
+
+
+def is_urgent(data: bytes) -> bool:
+    """Return whether these are the bytes of a body that everybody waits for: a plan, without which rows say nothing."""
+    return data[:1] == _KIND.pack(_PLAN_KIND)
 
 
 @lru_cache(maxsize=2048)
@@ -108,11 +116,12 @@ def _advice(plan: Plan) -> str:
 def _encode_plan(plan: Plan) -> bytes:
     if len(plan.goal_types) != len(plan.goals):
         raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
+    _check_bodies(plan.bodies, len(plan.obstacles))
     groups = (plan.contour, *plan.obstacles, plan.goals)
     doublings, steps = _in_steps(checked(np.concatenate([np.reshape(group, (-1, 2)) for group in groups])))
     origin = steps.min(axis=0) if len(steps) else np.zeros(2, dtype=np.int64)
     contour, *obstacles, goals = np.split(steps - origin, np.cumsum([len(group) for group in groups])[:-1])
-    counts = len(contour), len(obstacles), len(goals)
+    counts = len(contour), len(obstacles), plan.bodies, len(goals)
     parts = [packed(_PLAN, plan.epoch, *counts, doublings, *origin.tolist()), packed_integers(contour, "<u2")]
     for obstacle in obstacles:
         parts += [packed(_COUNT, len(obstacle)), packed_integers(obstacle, "<u2")]
@@ -135,7 +144,8 @@ def _in_steps(points: FloatArray) -> tuple[int, IntArray]:
 
 
 def _decode_plan(reader: Reader) -> Plan:
-    epoch, corners, obstacles, goals, doublings, *origin = reader.fields(_PLAN)
+    epoch, corners, obstacles, bodies, goals, doublings, *origin = reader.fields(_PLAN)
+    _check_bodies(bodies, obstacles)
     if doublings > _DOUBLINGS_MAX:
         raise FrameError(f"a step of 2^{doublings} cm")
 
@@ -146,7 +156,12 @@ def _decode_plan(reader: Reader) -> Plan:
     contour = points(corners)
     polygons = tuple(points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
     places = points(goals)
-    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)))
+    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)), bodies)
+
+
+def _check_bodies(bodies: int, obstacles: int) -> None:
+    if not 0 <= bodies <= obstacles:
+        raise FrameError(f"{bodies} bodies among {obstacles} obstacles")
 
 
 def _encode_row(row: CostRow) -> bytes:
@@ -179,9 +194,9 @@ def _decode_bundle(reader: Reader) -> RowBundle:
 
 
 def _decode_report(reader: Reader) -> Report:
-    robot, robot_type, epoch, goal, x, y, mode = reader.fields(_REPORT)
+    robot, robot_type, epoch, goal, x, y, mode, sigma = reader.fields(_REPORT)
     checked(np.array([x, y]))
-    return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode)
+    return Report(NodeId(robot), robot_type, epoch, goal, (x, y), mode, sigma / _CM_PER_M)
 
 
 _DECODERS: dict[int, Callable[[Reader], Body]] = {

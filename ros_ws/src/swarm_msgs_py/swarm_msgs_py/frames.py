@@ -44,11 +44,12 @@ _PRESENCE = struct.Struct("<2i2h2HbBH3B2I")
 _PACKET = struct.Struct("<4HB")  # next hop, origin, destination, number, hops left
 _BATCH = struct.Struct("<IB")  # tick, flags
 _LENGTH = struct.Struct("<H")
-_IS_BEACON = 0x01
+_IS_BEACON, _ASKS_FOR_WAY = 0x01, 0x02
 _MM = 1000.0  # steps per meter
 _SPEED_MAX = 32.767  # [m/s]; faster radios say so
 _CORRELATION_STEPS, _SHARE_STEPS, _U16_MAX = 127, 255, 0xFFFF
-_ROUNDING = 1e-6  # of a step: so much may arithmetic be off that computes a step from what was decoded of it
+_ROUNDING = 1e-9  # of a step: so much may arithmetic be off that computes a step from what was decoded of it
+_GROWTH = 1.001  # of a sigma that is too small for its correlation
 
 ROUTE_ROW = np.dtype([("destination", "<u2"), ("hops", "u1"), ("sequence", "<u2")])
 """One route row on the air."""
@@ -135,20 +136,37 @@ def _encode_presence(presence: Presence) -> bytes:
     is_known = max(xx, yy) < math.inf  # else the correlation means nothing, and may be infinity times zero
     if not (xx >= 0.0 and yy >= 0.0 and (math.isfinite(xy) or not is_known) and 0.0 <= shared <= 1.0):
         raise FrameError("a covariance must have variances that are not negative, and a share lie within 0 and 1")
-    # Rounded up: a receiver may think too little of an estimate, never too much. What was rounded already stays.
-    sigmas = [min(math.ceil(math.sqrt(variance) * _MM - _ROUNDING), _U16_MAX) for variance in map(_limited, (xx, yy))]
-    scale = math.sqrt(xx) * math.sqrt(yy)  # each alone: their product may not be a number
-    correlation = max(-1.0, min(1.0, xy / scale)) if is_known and scale > 0.0 else 0.0
-    steps = int(correlation * _CORRELATION_STEPS + math.copysign(_ROUNDING, correlation))
+    spread = _spread(xx, xy if is_known else 0.0, yy)
+    share = math.floor(shared * _SHARE_STEPS + _ROUNDING)  # down: what is not shared counts as noise of the sender's
     vx, vy = (max(-_SPEED_MAX, min(_SPEED_MAX, speed)) for speed in (vx, vy))
     motion = (round(x * _MM), round(y * _MM), round(vx * _MM), round(vy * _MM))
-    flags = _IS_BEACON if presence.is_beacon else 0
+    flags = presence.is_beacon * _IS_BEACON | presence.asks_for_way * _ASKS_FOR_WAY
     state = (presence.robot_type, flags, presence.mode, presence.epoch, presence.digest)
-    return packed(_PRESENCE, *motion, *sigmas, steps, round(shared * _SHARE_STEPS), presence.tick & _U16_MAX, *state)
+    return packed(_PRESENCE, *motion, *spread, share, presence.tick & _U16_MAX, *state)
 
 
-def _limited(variance: float) -> float:
-    return min(variance, SIGMA_UNKNOWN**2)
+def _spread(xx: float, xy: float, yy: float) -> tuple[int, int, int]:
+    """Return both sigmas and the correlation, in steps, of a covariance that is no smaller in any direction.
+
+    So a receiver may think too little of an estimate, never too much; what was rounded already stays as it is. With
+    sigmas u and v times the true ones, and a correlation c instead of r, the difference of the two covariances is
+    positive semidefinite if ``(u^2 - 1) (v^2 - 1) >= (u v c - r)^2``: the sigmas grow until a step of c fulfills it.
+    A sigma of `SIGMA_UNKNOWN` cannot grow and says that nothing is known.
+    """
+    true = [min(math.sqrt(variance), SIGMA_UNKNOWN) * _MM for variance in (xx, yy)]
+    scale = math.sqrt(xx) * math.sqrt(yy)  # each alone: their product may not be a number
+    correlation = max(-1.0, min(1.0, xy / scale)) if 0.0 < scale < math.inf else 0.0
+    sx, sy = (math.ceil(sigma - _ROUNDING) for sigma in true)
+    while sx > 0 and sy > 0:
+        u, v = sx / true[0], sy / true[1]
+        steps = round(correlation / (u * v) * _CORRELATION_STEPS)
+        room = math.sqrt(max(0.0, u * u - 1.0) * max(0.0, v * v - 1.0))
+        if abs(u * v * steps / _CORRELATION_STEPS - correlation) <= room + _ROUNDING / _MM:
+            return sx, sy, steps
+        if max(sx, sy) == _U16_MAX:
+            break
+        sx, sy = (min(math.ceil(sigma * _GROWTH), _U16_MAX) for sigma in (sx, sy))
+    return sx, sy, int(correlation * _CORRELATION_STEPS)
 
 
 def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
@@ -168,6 +186,7 @@ def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
         mode=mode,
         epoch=epoch,
         digest=digest,
+        asks_for_way=bool(flags & _ASKS_FOR_WAY),
     )
     rows = reader.array(ROUTE_ROW, reader.left() // ROUTE_ROW.itemsize)
     reader.finish()

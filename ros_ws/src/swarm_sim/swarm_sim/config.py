@@ -99,10 +99,11 @@ class FixConfig(Config):
 class RangingConfig(Config):
     """Time-of-arrival ranging between direct radio neighbors."""
 
-    model: RangingModel = setting(
-        RangingModel.RANGE,
+    model: RangingModel | None = setting(
+        None,
         "range: white noise on each range; position: thesis section 4.2, noise on the point that a robot ranges from, "
-        "so that the geometry of the beacons has no effect",
+        "so that the geometry of the beacons has no effect; not set: position if the robots localize themselves as in "
+        "the thesis (agent.lps.mode literal), else range",
     )
     sigma_m: float = setting(
         2.0, "white noise of each range, or of the point per axis (thesis: 2 m)", unit="m", minimum=0.0
@@ -137,7 +138,7 @@ class RadioConfig(Config):
         250_000.0, "bit rate of one radio; what a tick has no time for goes on in the next", unit="bit/s", above=0.0
     )
     queue_s: float = setting(
-        1.0, "a frame that would wait longer than this for its turn is dropped", unit="s", minimum=0.0, maximum=60.0
+        0.5, "a frame that would wait longer than this for its turn is dropped", unit="s", minimum=0.0, maximum=60.0
     )
 
 

@@ -1,8 +1,8 @@
 """Making way: a robot at rest moves aside for one that cannot get past.
 
 Avoidance alone cannot free a robot that is shut in by parked ones, since those do not want to move. A blocked robot
-says so in its hello frames (`Mode.BLOCKED`); robots near it that
-have nothing better to do step back, and return afterwards.
+says so in its hello frames (`Presence.asks_for_way`); robots near it that have nothing better to do step back, and
+return afterwards.
 """
 
 from __future__ import annotations

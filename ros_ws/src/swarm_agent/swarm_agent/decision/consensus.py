@@ -16,7 +16,15 @@ from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.rows import RowBook
 from swarm_msgs_py.body_codec import decode_body, encode_body, row_size
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.bodies import WEIGHT_ONE, CostRow, Plan, RowBundle, RowRequest, is_newer_epoch
+from swarm_msgs_py.messages.bodies import (
+    VERSION_LEAP_MAX,
+    WEIGHT_ONE,
+    CostRow,
+    Plan,
+    RowBundle,
+    RowRequest,
+    is_newer_epoch,
+)
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
@@ -29,6 +37,9 @@ BUNDLES_PER_REQUEST, BUNDLES_PER_TICK = 8, 16
 
 HAND_ON_PAUSES, REPAIR_PAUSES_MAX = 4, 4
 """Repair periods before the plan is given again to who asks again, and at most between two requests without effect."""
+
+VERSION_MAX = 0xFFFF
+"""Largest version of a row: it travels as 16 bits."""
 
 CROWD = 3
 """Neighbors that ask for the plan in one tick, from which on it is flooded: one transmission serves them all."""
@@ -56,6 +67,7 @@ class Consensus:
         self._repair_period = max(1, round(config.repair_period_s / period_s))
         self._plan_wait = round(config.plan_wait_s / period_s)
         self._ahead_since: int | None = None  # tick since which some neighbor has a newer plan
+        self._offered = 0  # own rows of the plan in force
         self._changed_at = 0  # tick of the last change of the book
         self._asked_at = -self._repair_period
         self._bundles_left = BUNDLES_PER_TICK
@@ -81,12 +93,13 @@ class Consensus:
                 is_newer = self.book.adopt(body)
                 if is_newer:
                     self._handed_on.clear()
+                    self._offered = 0
                 self._note(tick, changed=is_newer)
             elif isinstance(body, CostRow):
-                self._note(tick, changed=self.book.put(body))
+                self._take(tick, body)
             elif isinstance(body, RowBundle):
                 for row in body.rows:
-                    self._note(tick, changed=self.book.put(row))
+                    self._take(tick, row)
             elif isinstance(body, RowRequest):
                 if body.epoch < self.book.epoch:
                     asking.append(delivery.origin)
@@ -94,8 +107,11 @@ class Consensus:
         self._hand_on(tick, asking, mesh)
 
     def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork, weight: int = WEIGHT_ONE) -> None:
-        """Publish this robot's own costs [cm] for the plan in force, and their weight."""
+        """Publish this robot's own costs [cm] for the plan in force, and their weight; nothing after the last version."""
         version = self.book.version_of(self._robot) + 1
+        if version > VERSION_MAX:
+            return
+        self._offered += 1
         row = CostRow(self.book.epoch, self._robot, self._robot_type, version, costs, weight, self._objective)
         self._note(tick, changed=self.book.put(row))
         mesh.flood(encode_body(row))
@@ -121,6 +137,17 @@ class Consensus:
             mesh.send(neighbor, encode_body(RowRequest(self.book.epoch, self.book.versions())))
             self._asked_at = tick
             self._repair_pause = min(2 * self._repair_pause, REPAIR_PAUSES_MAX * self._repair_period)
+
+    def _take(self, tick: int, row: CostRow) -> None:
+        """Merge a row that somebody has sent.
+
+        One of this robot's own is from an earlier life of it, or forged; its next offer outbids it. Such rows may lead
+        the count of its offers by as much as others accept at once, no more: each step that a forger leads the robot on
+        would use up versions.
+        """
+        if row.robot == self._robot and row.version > self._offered + VERSION_LEAP_MAX:
+            return
+        self._note(tick, changed=self.book.put(row))
 
     def _hand_on(self, tick: int, asking: Sequence[NodeId], mesh: MeshNetwork) -> None:
         """Give the plan to who has asked for it, but not to somebody who has just been given it: it is on its way.

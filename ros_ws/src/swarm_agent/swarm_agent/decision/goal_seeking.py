@@ -7,6 +7,7 @@ import numpy as np
 from swarm_agent.decision.assignment import agreed_objective, assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
+from swarm_agent.decision.departure import early_destination
 from swarm_agent.decision.offering import RowOffers
 from swarm_agent.decision.path_costs import PathCosts
 from swarm_agent.decision.strategy import Decision
@@ -76,8 +77,9 @@ class GoalSeeking:
         self._taken: dict[NodeId, int] = {}  # what the rows say of everybody
         self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
-        self._in_touch_at = 0  # last tick in which the robot had a goal, or a way to hear of one
-        self._destination: FloatArray | None = None  # the last goal taken, of this plan or an older one
+        self._in_touch_at = 0  # last tick that began with a goal of this robot, or with a way to hear of one
+        self._destination: FloatArray | None = None  # the last goal taken, or where to set out for until there is one
+        self._contour = np.empty((0, 2))  # the shape of the plan in force
 
     def step(self, tick: int, position: FloatArray, takes_part: bool = True, is_blocked: bool = False) -> Decision:
         """Return where to go; sends the own cost row when the plan or the membership makes it necessary.
@@ -94,13 +96,14 @@ class GoalSeeking:
             Whether the robot is hardly getting on; if another one is in its way for long, it offers to exchange goals.
         """
         plan = self._consensus.plan
+        if self._goal >= 0 or MISSION in self._mesh.reachable:
+            self._in_touch_at = tick
         if plan is None:
             searching = tick >= self._rally_after
             target = self._rally_point if searching else None
             return Decision(-1, target, Mode.SEARCHING if searching else Mode.WAITING, self._first_map)
         if plan.epoch != self._epoch:
-            self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
-            self._is_undecided, self._taken = True, {}
+            self._begin(tick, plan, position)
         self._offers.step(tick, plan, position, self._goal, takes_part=takes_part)
         if takes_part and self._proposed == self._goal:
             surcharge = self._swaps.step(plan, position, self._taken, is_blocked=is_blocked)
@@ -113,17 +116,21 @@ class GoalSeeking:
             self._destination = plan.goals[self._goal]
             return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
         if self._is_undecided:
-            # Until the rows for a new plan are complete, what the old one wanted is the best guess (spec 11.5).
             return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
-        if self._is_stranded(tick):
+        if tick - self._in_touch_at >= self._rally_after:  # no newer plan can reach the robot where it is
             return Decision(-1, self._rally_point, Mode.SEARCHING, plan.obstacles)
         return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
 
-    def _is_stranded(self, tick: int) -> bool:
-        """Return whether this plan has no goal for the robot, and no newer one can reach it where it is."""
-        if self._goal >= 0 or MISSION in self._mesh.reachable:
-            self._in_touch_at = tick
-        return tick - self._in_touch_at >= self._rally_after
+    def _begin(self, tick: int, plan: Plan, position: FloatArray) -> None:
+        """Take note of a new plan.
+
+        Until its rows are complete, what the old plan wanted is the best guess if the shape is the same (spec 11.5).
+        """
+        self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
+        self._is_undecided, self._taken = True, {}
+        if self._destination is None or not np.array_equal(plan.contour, self._contour):
+            self._destination = early_destination(position, plan.goals[plan.goal_types == self._type.type])
+        self._contour = plan.contour
 
     def _decide(self, tick: int, plan: Plan) -> None:
         """Take the goal that the assignment gives, once the rows are complete or patience is over.

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import shapely
 
+from swarm_agent.planning.configuration_space import ConfigurationSpace
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -16,37 +17,45 @@ INSIDE_M = 1.0
 
 _CORNERS_MIN = 3
 _TINY = 1e-9  # [m]
+_OFF_M = 0.01  # from the edge of the free space: a robot does not stop on a millimeter
 _HALVINGS = 20  # of the inset, for shapes that are narrower than two meters everywhere
 
 
-def home_point(contour: FloatArray) -> FloatArray:
+def home_point(contour: FloatArray, space: ConfigurationSpace | None = None) -> FloatArray:
     """Return the point to which lost robots return, shape (2,) [m].
 
-    The center of the boundary (thesis eq. (3.65)) if it lies at least `INSIDE_M` inside the contour, otherwise the
-    nearest point that does. In a shape too thin for that, the margin is halved until some point keeps it.
+    The center of the boundary (thesis eq. (3.65)) if it lies at least `INSIDE_M` inside the contour and is free,
+    otherwise the nearest point that does and is. In a shape too thin for that, the margin is halved until some point
+    keeps it. Where no point inside the shape is free, the nearest free one outside has to do.
 
     Parameters
     ----------
     contour : (k, 2) array
-        Simple closed polygon [m]. If it is none, because a plan was forged, the mean of its corners is returned, or the
+        Simple closed polygon [m]. If it is none, because a plan was forged, the mean of its corners is taken, or the
         origin if it has none.
+    space : ConfigurationSpace or None
+        Where the robot may be; None: everywhere. The body of a dead robot is an obstacle of later plans, and may lie
+        where home was.
     """
     if not _is_simple(contour):
-        return contour.mean(axis=0) if len(contour) else np.zeros(2)
+        middle: FloatArray = contour.mean(axis=0) if len(contour) else np.zeros(2)
+        return middle if space is None else space.project(middle)
     shape = shapely.Polygon(contour)
     center = shape.exterior.centroid
-    clearance = shape.exterior.distance(center) if shape.contains(center) else -1.0
+    is_free = space is None or space.is_free(shapely.get_coordinates(center)[0])
+    clearance = shape.exterior.distance(center) if shape.contains(center) and is_free else -1.0
+    taken = shapely.Polygon() if space is None else space.forbidden.buffer(_OFF_M)
     margin = INSIDE_M
     for _ in range(_HALVINGS):
         if clearance >= margin - _TINY:  # an inset loses places that keep the margin exactly
             break
-        inner = shape.buffer(-margin)
+        inner = shape.buffer(-margin).difference(taken)
         if not inner.is_empty:
             nearest = shapely.get_coordinates(shapely.shortest_line(inner, center))[0]
             return np.asarray(nearest)
         margin /= 2.0
-    inside = center if clearance >= 0.0 else shape.representative_point()
-    return np.array([inside.x, inside.y])
+    inside = shapely.get_coordinates(center if clearance >= 0.0 else shape.representative_point())[0]
+    return inside if space is None else space.project(inside)
 
 
 def _is_simple(contour: FloatArray) -> bool:

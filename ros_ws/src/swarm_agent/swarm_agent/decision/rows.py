@@ -11,6 +11,9 @@ from swarm_msgs_py.types import NodeId
 EARLY_MAX = 1000
 """Rows kept of plans that have not arrived yet, the first ones kept."""
 
+ROWS_MAX = 10_000
+"""Robots whose rows are kept, the first ones: more than any roster has, and few enough to list them in one request."""
+
 
 class RowBook:
     """Newest cost row of every robot, for one epoch.
@@ -51,6 +54,8 @@ class RowBook:
         held = self._rows.get(row.robot)
         version = held.version if held else 0
         if not version < row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
+            return False
+        if held is None and len(self._rows) >= ROWS_MAX:
             return False
         self._rows[row.robot] = row
         # Order-free sum of one checksum per row: merging in any order ends at the same digest.

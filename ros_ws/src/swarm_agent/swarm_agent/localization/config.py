@@ -7,6 +7,9 @@ from enum import Enum
 
 from swarm_msgs_py.config import Config, section, setting
 
+SIGMA_M = 2.0
+"""Standard deviation of ranges, and of positions from them, of which nothing else is known (thesis section 4.2) [m]."""
+
 
 class LpsMode(Enum):
     """How ranges become a position."""
@@ -58,10 +61,13 @@ class LpsConfig(Config):
         0.0, "time between two localizations; up to the control period: every tick (thesis: 3)",
         unit="s", minimum=0.0, maximum=600.0,
     )  # fmt: skip
-    range_sigma_m: float = setting(2.0, "standard deviation of a range (thesis section 4.2)", unit="m", above=0.0)
-    position_noise_sigma_m: float = setting(
-        2.0, "standard deviation per axis of a trilaterated position, mode literal (sigma_meas of the thesis)",
-        unit="m", above=0.0,
+    range_sigma_m: float | None = setting(
+        None, "standard deviation of a range; not set: in a scenario that of the world (sim.ranging.sigma_m), on a "
+        "robot alone 2 m (thesis section 4.2)", unit="m", above=0.0,
+    )  # fmt: skip
+    position_noise_sigma_m: float | None = setting(
+        None, "standard deviation per axis of a trilaterated position, mode literal (sigma_meas of the thesis); not "
+        "set: as for ranges", unit="m", above=0.0,
     )  # fmt: skip
     covariance_inflation: float = setting(
         3.0, "factor on the covariance of neighbors that are no beacons, without what is shared (spec section 4)",
@@ -74,6 +80,25 @@ class LpsConfig(Config):
     wall_sigma_m: float | None = setting(
         0.1, "how well a wall on the map agrees with what the proximity sensor sees of it; null, or in mode literal: "
         "walls say nothing", unit="m", above=0.0,
+    )  # fmt: skip
+    hello_age_max_s: float = setting(
+        4.0, "age at which a hello says too little of where its sender is now for a range to it to be used",
+        unit="s", above=0.0, maximum=60.0,
+    )  # fmt: skip
+    walls_after_s: float = setting(
+        3.0, "time after the start in which no wall is recognized: it may be a robot that was not heard yet",
+        unit="s", minimum=0.0, maximum=3600.0,
+    )  # fmt: skip
+    doubt_after_s: float = setting(
+        5.0, "time that something must be near which no wall, robot or body explains before a robot that it blocks "
+        "doubts its own position", unit="s", minimum=0.0, maximum=3600.0,
+    )  # fmt: skip
+    doubt_m2_per_s: float = setting(
+        0.1, "how fast the variance of a doubted position grows, per axis; 0: no doubt", unit="m^2/s", minimum=0.0
+    )
+    doubt_sigma_max_m: float = setting(
+        0.9, "standard deviation up to which it grows; at lost.sigma_max_m, a robot would be lost for an obstacle that "
+        "is on no map", unit="m", above=0.0,
     )  # fmt: skip
     acceleration_sigma_mps2: float = setting(
         0.01, "standard deviation of a mean acceleration, per axis (thesis section 4.2)", unit="m/s^2", minimum=0.0
@@ -108,6 +133,16 @@ class LpsConfig(Config):
         5, "consecutive rejections after which the filter doubts itself and restarts", minimum=1
     )
     lost: LostConfig = section(LostConfig, "lost robots")
+
+    @property
+    def range_sigma(self) -> float:
+        """Standard deviation of a range in force [m]."""
+        return SIGMA_M if self.range_sigma_m is None else self.range_sigma_m
+
+    @property
+    def position_noise_sigma(self) -> float:
+        """Standard deviation per axis of a trilaterated position in force, mode literal [m]."""
+        return SIGMA_M if self.position_noise_sigma_m is None else self.position_noise_sigma_m
 
     @property
     def lost_rule(self) -> LostRule:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarm_agent.localization.beginning import begin_among
 from swarm_agent.localization.config import LpsConfig, LpsMode
 from swarm_agent.localization.hypotheses import Hypotheses, Hypothesis, certain, divided, merged, reweighed
 from swarm_agent.localization.kalman import Gaussian, correct, innovation, predict
@@ -20,8 +21,9 @@ from swarm_agent.localization.motion_model import (
     MotionModel,
     Step,
     belief_at,
+    restarted,
 )
-from swarm_agent.localization.observations import RangeObservations, bodies, observe
+from swarm_agent.localization.observations import RangeObservations, observe
 from swarm_agent.localization.range_fusion import (
     Fusion,
     RangeModel,
@@ -29,28 +31,22 @@ from swarm_agent.localization.range_fusion import (
     fixed,
     fuse_beacons,
     fuse_neighbors,
-    fuse_walls,
     predicted,
 )
+from swarm_agent.localization.surroundings import Surroundings
 from swarm_agent.localization.trilateration import MIN_BEACONS, Trilateration, dilution, trilaterate
-from swarm_agent.localization.walls import WallMap
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.types import FloatArray, NodeId
 
 MIN_SIGMA = 1e-4  # no position sensor is better [m]; keeps the filter regular when noise is switched off
 BEACON_MEMORY_S = 3.0  # a sensor that has said nothing usable for that long makes no beacon any more
-WALLS_AFTER = 6  # ticks, from the first on, in which what is near may be a robot that has not been heard yet
-MOVING_MPS = 0.1  # who was this fast when last heard is elsewhere by now
-PASSING_S, STAYING_S = 5.0, 20.0  # so long does a silent robot keep others from taking it for a wall
-UNEXPLAINED_TICKS = 10  # so long may a robot that was never heard be what stands in the way
-DOUBT_M2 = 0.05  # by so much per tick, and axis, a belief widens that does not explain what is seen [m^2]
+ACCELERATION_MAX_MPS2, YAW_MAX_RAD = 100.0, 1e6  # whatever measures more than that is broken
 DOUBT_SHARE = 0.5  # a round in which more than this share of the ranges are outliers speaks against the filter
 
 _log = logging.getLogger(__name__)
 _UNIT_NOISE: FloatArray = np.eye(2)
 _NO_IDEA: FloatArray = np.diag([math.inf, math.inf])
-_DOUBT_NOISE: FloatArray = DOUBT_M2 * (OBSERVE_POSITION.T @ OBSERVE_POSITION)
 _NO_POINTS: FloatArray = np.empty((0, 2))
 
 
@@ -93,7 +89,7 @@ class Localizer:
     start : PositionFix or None
         Where the robot was told to stand at the start, with its standard deviation; None: it has to find out.
     walls : sequence of (k, 2) array
-        Obstacles whose place is certain [m].
+        Obstacles whose place is certain [m]. If there is none, those of the plan are taken for certain (see `learn`).
     """
 
     def __init__(
@@ -113,7 +109,7 @@ class Localizer:
             config.push_delay_s,
             config.push_delay_sigma_s,
         )
-        self._ranges = RangeModel(config.range_sigma_m, config.range_gate_chi_square, config.covariance_inflation)
+        self._ranges = RangeModel(config.range_sigma, config.range_gate_chi_square, config.covariance_inflation)
         self._hypotheses: Hypotheses = ()  # none: the position is unknown
         if start is not None:
             self._begin(start.position, start.sigma**2 * _UNIT_NOISE, config.initial_speed_sigma_mps)
@@ -121,13 +117,15 @@ class Localizer:
         self._command_sigma = None if is_literal else config.command_sigma_mps
         self._lag = math.exp(-period_s / config.push_delay_s) if config.push_delay_s > 0.0 else 0.0
         self._told_before: FloatArray | None = None
-        self._walls = None if is_literal or config.wall_sigma_m is None else WallMap(walls)
-        self._walls_from: int | None = None  # tick
-        self._unexplained = 0  # ticks in a row with something near that is no wall and no robot
-        self._heard: dict[NodeId, Presence] = {}  # last words: a body stays where its radio fell silent
+        is_blind = is_literal or config.wall_sigma_m is None
+        self._surroundings = None if is_blind else Surroundings(config, period_s, walls)
+        self._hello_age_max = round(config.hello_age_max_s / period_s)
+        self._tick: int | None = None  # the last one
         self._due = 0  # tick of the next localization
         self._doubts = 0  # fixes, or rounds of ranging, in a row that did not fit
         self._beacon_until = -1  # tick
+        self.yaw = 0.0
+        """Heading by the last sample that made sense [rad]."""
         self.is_beacon = False
         """Whether the own position sensor works: it has lately given a fix that was believed."""
         self.walls: FloatArray = _NO_POINTS
@@ -145,14 +143,15 @@ class Localizer:
         *,
         proximity: FloatArray = _NO_POINTS,
         told: FloatArray | None = None,
+        is_blocked: bool = False,
     ) -> Estimate | None:
-        """Advance by one tick.
+        """Advance by one tick, and by those that were missed since the last call.
 
         Parameters
         ----------
         tick : int
         imu : ImuSample
-            Over the tick that ends now.
+            Over the tick that ends now. One that is not finite, or absurd, counts as a missed tick.
         fix : PositionFix or None
             Taken now. A fix that is not finite counts as none.
         scan : RangeScan
@@ -163,17 +162,17 @@ class Localizer:
             Nearest points of what is near, relative to the robot, axes of the world [m].
         told : (2,) array or None
             Velocity that the robot was told to drive in the tick that ends now, world frame [m/s]; None: nothing.
+        is_blocked : bool
+            The robot wants to drive, and has hardly got on for some time.
 
         Returns
         -------
         Estimate or None
             None as long as the position is unknown.
         """
-        if self._hypotheses:
-            step = self._model.step(imu.acceleration_body, imu.yaw)
-            noise = self._command_noise(told)
-            self._change(lambda belief: self._moved(belief, step, told, noise))
-        self._told_before = told
+        missed = 0 if self._tick is None else max(tick - self._tick - 1, 0)
+        self._tick = tick
+        self._advance(imu, told, missed)
         is_corrected = False
         if fix is not None and math.isfinite(fix.sigma + sum(fix.position.tolist())):
             is_corrected = self._take_fix(fix.position, max(fix.sigma, MIN_SIGMA) ** 2 * _UNIT_NOISE)
@@ -181,27 +180,64 @@ class Localizer:
                 self._beacon_until = tick + round(BEACON_MEMORY_S / self._period)
         elif len(scan.neighbors) and tick >= self._due:
             self._due = tick + self._every
-            is_corrected = self._take_ranges(*observe(scan, neighbors, tick, self._period))
+            is_corrected = self._take_ranges(*observe(scan, neighbors, tick, self._period, self._hello_age_max))
         self.walls = _NO_POINTS
-        self._heard.update(neighbors)
-        self._walls_from = tick + WALLS_AFTER if self._walls_from is None else self._walls_from
-        if len(proximity) and self._walls is not None and self._hypotheses and tick >= self._walls_from:
-            self._take_walls(self._walls, proximity, tick)
-        else:
-            self._unexplained = 0
+        if self._surroundings is not None:
+            self._surroundings.hear(tick, neighbors)
+            if self._hypotheses:
+                look = self._surroundings.look(
+                    tick, self._hypotheses, proximity, scan, neighbors, is_blocked=is_blocked
+                )
+                self._hypotheses, self.walls = look.hypotheses, look.faces
         self.is_beacon = tick <= self._beacon_until
-        return self._estimate(imu.yaw, is_corrected=is_corrected)
+        return self._estimate(is_corrected=is_corrected)
 
-    def _estimate(self, yaw: float, *, is_corrected: bool) -> Estimate | None:
+    def learn(self, walls: Sequence[FloatArray], bodies: Sequence[FloatArray]) -> None:
+        """Take note of what a plan says.
+
+        Parameters
+        ----------
+        walls : sequence of (k, 2) array
+            Obstacles of the map [m]: landmarks, unless the robot has been given a map of its own.
+        bodies : sequence of (k, 2) array
+            Where lost robots may stand, as far as that is known [m].
+        """
+        if self._surroundings is not None:
+            self._surroundings.learn(walls, bodies)
+
+    def heading(self, imu: ImuSample) -> float:
+        """Return the heading [rad] of a sample, or the last one that made sense if this one does not."""
+        return imu.yaw if _is_sound(imu) else self.yaw
+
+    def _estimate(self, *, is_corrected: bool) -> Estimate | None:
         if not self._hypotheses:
             return None
         belief = merged(self._hypotheses)
         mean, covariance = belief.gaussian.mean, belief.gaussian.covariance[POSITION, POSITION].copy()
-        return Estimate(mean[POSITION].copy(), mean[VELOCITY].copy(), covariance, yaw, belief.shared, is_corrected)
+        return Estimate(mean[POSITION].copy(), mean[VELOCITY].copy(), covariance, self.yaw, belief.shared, is_corrected)
 
     def _change(self, changed: Callable[[SplitBelief], SplitBelief]) -> None:
         """Apply to every hypothesis what tells nothing of which one is right."""
         self._hypotheses = tuple(Hypothesis(one.weight, changed(one.belief)) for one in self._hypotheses)
+
+    def _advance(self, imu: ImuSample, told: FloatArray | None, missed: int) -> None:
+        """Predict over the tick that ends now, and over ticks before it of which nothing is known.
+
+        In those the robot may have stopped, or been pushed, and whether it did what it was told nobody knows.
+        """
+        is_sound = _is_sound(imu)
+        unknown = missed + (not is_sound)
+        if unknown:
+            told = self._told_before = None
+            gap = self._model.gap(unknown, self._config.restart_speed_sigma_mps)
+            self._change(lambda belief: self._moved(belief, gap, None, None))
+        if is_sound:
+            self.yaw = imu.yaw
+            if self._hypotheses:
+                step = self._model.step(imu.acceleration_body, imu.yaw)
+                noise = self._command_noise(told)
+                self._change(lambda belief: self._moved(belief, step, told, noise))
+        self._told_before = told
 
     def _moved(self, belief: SplitBelief, step: Step, told: FloatArray | None, noise: FloatArray | None) -> SplitBelief:
         """Return a belief one tick later.
@@ -226,47 +262,13 @@ class Localizer:
         behind = self._lag * float(np.hypot(*(told - self._told_before)))
         return (self._command_sigma + behind) ** 2 * _UNIT_NOISE
 
-    def _near_by_last_word(self, tick: int) -> list[Presence]:
-        """Return the last words of those that may still stand where they said; forget the others.
-
-        Who falls silent has died there, or has driven on, out of sight behind a wall. That wall must not stay hidden
-        for good because somebody once passed it.
-        """
-        for robot, presence in list(self._heard.items()):
-            age = ((tick - presence.tick) & 0xFFFF) * self._period
-            is_moving = float(np.abs(presence.velocity).max()) > MOVING_MPS
-            if age > (PASSING_S if is_moving else STAYING_S):
-                del self._heard[robot]
-        return list(self._heard.values())
-
-    def _take_walls(self, walls: WallMap, points: FloatArray, tick: int) -> None:
-        """Correct by the walls of the map that the sensed points belong to."""
-        sigma, gate = self._config.wall_sigma_m, self._config.range_gate_chi_square
-        assert sigma is not None  # or there would be no map
-        places, unsure = bodies(self._near_by_last_word(tick))
-        told = []
-        likeliest = max(self._hypotheses, key=lambda one: one.weight, default=None)
-        for one in self._hypotheses:
-            gaussian = one.belief.gaussian
-            seen = walls.recognize(
-                gaussian.mean[POSITION], gaussian.covariance[POSITION, POSITION], points, places, unsure
-            )
-            after = (
-                fuse_walls(one.belief, seen.directions, seen.offsets, sigma, gate) if len(seen.offsets) else one.belief
-            )
-            told.append((one, after, seen.log_likelihood))
-            if one is likeliest:
-                self.walls = seen.faces
-                self._unexplained = 0 if seen.is_explained else self._unexplained + 1
-        self._hypotheses = reweighed(told)
-        if self._unexplained > UNEXPLAINED_TICKS:
-            # Something stands where nothing should: little by little, the robot believes it rather than itself.
-            self._change(_doubtful)
-
     def _take_ranges(self, beacons: RangeObservations, others: RangeObservations) -> bool:
         """Correct by ranges; return whether the beacons determined the position."""
         if not self._hypotheses or self._config.mode in (LpsMode.LITERAL, LpsMode.FIXES):
-            return self._take_trilateration(beacons)
+            is_found = self._take_trilateration(beacons)
+            if not is_found and not self._hypotheses and self._config.mode is LpsMode.COOPERATIVE:
+                self._begin_among(beacons, others)
+            return is_found
         if self._config.mode is not LpsMode.COOPERATIVE:
             others = others.only(slice(0, 0))
         if not len(beacons) + len(others):
@@ -281,7 +283,8 @@ class Localizer:
         self.rejected += best.rejected
         total = best.accepted + best.rejected
         if total >= MIN_BEACONS and best.rejected > DOUBT_SHARE * total:
-            self._doubt()
+            if self._is_lost_after_one_more():
+                self._widen()
         elif best.accepted:
             self._doubts = 0
         return by_beacons >= MIN_BEACONS
@@ -305,12 +308,12 @@ class Localizer:
         # whatever the geometry of the beacons.
         is_literal = self._config.mode is LpsMode.LITERAL
         where, covariance = self._prior(beacons)
-        range_sigma = 0.0 if is_literal else self._config.range_sigma_m
+        range_sigma = 0.0 if is_literal else self._config.range_sigma
         found = trilaterate(beacons.positions, beacons.ranges, where, covariance, range_sigma)
         if not isinstance(found, Trilateration):
             return False
         if is_literal:
-            return self._take_fix(found.position, self._config.position_noise_sigma_m**2 * _UNIT_NOISE)
+            return self._take_fix(found.position, self._config.position_noise_sigma**2 * _UNIT_NOISE)
         # The geometry at the propagated position, where there is one. At the fix itself it errs with the fix: among
         # beacons that are nearly on a line, the worst fixes would claim to be the best.
         noise = dilution(beacons.positions, where) if self._hypotheses else None
@@ -338,12 +341,13 @@ class Localizer:
             self._hypotheses = certain(fixed(belief, correct(belief.gaussian, surprise, OBSERVE_POSITION, noise)))
             return True
         self.rejected += 1
-        if self._doubt():
-            self._begin(position, noise, config.restart_speed_sigma_mps)
+        if self._is_lost_after_one_more():
+            start = restarted(belief.gaussian, config.restart_speed_sigma_mps, position, noise)
+            self._hypotheses = certain(SplitBelief(start, 0.0))
         return False
 
-    def _doubt(self) -> bool:
-        """Count one more round that did not fit; return whether the filter has been lost, and forgets where it is.
+    def _is_lost_after_one_more(self) -> bool:
+        """Count one more round that did not fit; return whether the filter must restart.
 
         One wild fix is the sensor's fault. Several in a row mean that the robot was pushed, or had a bad start.
         """
@@ -352,21 +356,31 @@ class Localizer:
             return False
         self._doubts = 0
         _log.warning("filter restarts: %d localizations in a row fell outside its gate", self._config.rejections_max)
-        belief = merged(self._hypotheses)
-        narrow = belief.gaussian.covariance[POSITION, POSITION]
-        wider = narrow + self._config.restart_sigma_m**2 * _UNIT_NOISE
-        # What is added is the robot's own error; what it shared before, it still shares.
-        shared = belief.shared * float(narrow.trace() / wider.trace())
-        self._begin(belief.gaussian.mean[POSITION], wider, self._config.restart_speed_sigma_mps, shared)
         return True
 
-    def _begin(self, position: FloatArray, covariance: FloatArray, speed_sigma: float, shared: float = 0.0) -> None:
+    def _widen(self) -> None:
+        """Restart without a fix: the robot may be elsewhere by meters, and what moved it may have changed its speed."""
+        config, belief = self._config, merged(self._hypotheses)
+        noise = np.zeros_like(belief.gaussian.covariance)
+        noise[POSITION, POSITION] = config.restart_sigma_m**2 * _UNIT_NOISE
+        noise[VELOCITY, VELOCITY] = config.restart_speed_sigma_mps**2 * _UNIT_NOISE
+        # What is added is the robot's own error; what it shared before, it still shares.
+        wider = Gaussian(belief.gaussian.mean, belief.gaussian.covariance + noise)
+        self._hypotheses = certain(predicted(belief, wider, noise))
+
+    def _begin_among(self, beacons: RangeObservations, others: RangeObservations) -> None:
+        """Begin from neighbors that know where they are, if that can be; if not, wait."""
+        found = begin_among(beacons, others, self._config.range_sigma)
+        if found is not None:
+            self._begin(*found, self._config.initial_speed_sigma_mps)
+
+    def _begin(self, position: FloatArray, covariance: FloatArray, speed_sigma: float) -> None:
         bias = self._config.acceleration_bias_max_mps2
-        self._hypotheses = certain(SplitBelief(belief_at(position, covariance, speed_sigma, bias), shared))
+        self._hypotheses = certain(SplitBelief(belief_at(position, covariance, speed_sigma, bias), 0.0))
 
 
-def _doubtful(belief: SplitBelief) -> SplitBelief:
-    """Return a belief whose position is less certain, for reasons of its own."""
-    covariance = belief.gaussian.covariance.copy()
-    covariance[POSITION, POSITION] += DOUBT_M2 * _UNIT_NOISE
-    return predicted(belief, Gaussian(belief.gaussian.mean, covariance), _DOUBT_NOISE)
+def _is_sound(imu: ImuSample) -> bool:
+    """Return whether a sample can be true: finite, and no more than a robot survives."""
+    forward, left = imu.acceleration_body.tolist()
+    is_possible = abs(forward) <= ACCELERATION_MAX_MPS2 and abs(left) <= ACCELERATION_MAX_MPS2
+    return is_possible and abs(imu.yaw) <= YAW_MAX_RAD  # comparing with what is no number is false

@@ -25,7 +25,7 @@ BIAS = slice(4, 6)
 OBSERVE_POSITION: FloatArray = np.eye(STATES)[POSITION]
 """H of a position fix, (2, 6)."""
 OBSERVE_VELOCITY: FloatArray = np.eye(STATES)[VELOCITY]
-"""H of a robot that knows its velocity, because it stands still, (2, 6)."""
+"""H of a robot that knows its velocity, because it knows what it told its servo, (2, 6)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +66,7 @@ class MotionModel:
         push_delay: float | None = None,
         push_delay_sigma: float = 0.0,
     ) -> None:
+        self._period = period
         self._variance, self._yaw_variance = acceleration_sigma**2, yaw_sigma**2
         self._timing_variance = (period * push_delay_sigma) ** 2  # of the position, per (m/s^2)^2
         delay = period / 2.0 if push_delay is None else min(push_delay, period / 2.0)
@@ -103,6 +104,24 @@ class MotionModel:
         noise[2, 2] += self._timing_variance * square
         return Step(transition, push @ acceleration_body, noise)
 
+    def gap(self, periods: int, speed_sigma: float) -> Step:
+        """Return the step over periods of which nothing is known.
+
+        Parameters
+        ----------
+        periods : int
+        speed_sigma : float
+            Standard deviation of the change of velocity in the meantime, per axis [m/s]. It may have happened at once,
+            so all of it counts for the position from the beginning.
+        """
+        duration = periods * self._period
+        transition = np.eye(STATES)
+        transition[0, 1] = transition[2, 3] = duration
+        axis = speed_sigma * np.array([duration, 1.0])
+        noise = np.zeros((STATES, STATES))
+        noise[0:2, 0:2] = noise[2:4, 2:4] = np.outer(axis, axis)
+        return Step(transition, np.zeros(STATES), noise)
+
 
 def belief_at(position: FloatArray, covariance: FloatArray, speed_sigma: float, bias_max: float) -> Gaussian:
     """Return the belief of a robot whose position was just measured, and of whose motion nothing is known.
@@ -126,3 +145,27 @@ def belief_at(position: FloatArray, covariance: FloatArray, speed_sigma: float, 
     belief = np.diag(variances)
     belief[POSITION, POSITION] = covariance
     return Gaussian(mean, belief)
+
+
+def restarted(belief: Gaussian, speed_sigma: float, position: FloatArray, covariance: FloatArray) -> Gaussian:
+    """Return the belief of a robot that turned out to be elsewhere.
+
+    What it knows of its accelerometer it still knows, and it moves on as before, give or take `speed_sigma`.
+
+    Parameters
+    ----------
+    belief : Gaussian
+    speed_sigma : float
+        Standard deviation per axis of what the velocity may be off besides [m/s].
+    position, covariance : (2,) and (2, 2) array
+        Of the new position [m], [m^2].
+    """
+    mean, wider = belief.mean.copy(), belief.covariance.copy()
+    mean[POSITION] = position
+    wider[POSITION], wider[:, POSITION] = (
+        0.0,
+        0.0,
+    )  # the old position's error is gone, and with it what it went along with
+    wider[POSITION, POSITION] = covariance
+    wider[VELOCITY, VELOCITY] += speed_sigma**2 * np.eye(2)
+    return Gaussian(mean, wider)

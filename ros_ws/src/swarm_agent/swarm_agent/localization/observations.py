@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -11,8 +12,8 @@ from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
 from swarm_msgs_py.messages.sensing import RangeScan
 from swarm_msgs_py.types import BoolArray, FloatArray, NodeId
 
-AGE_MAX = 8
-"""Ticks after which a hello says too little of where its sender is now; also drops a sender with another clock."""
+VAGUE_M = 5.0
+"""A robot less certain than this says less about where it is than one range to it does [m]."""
 
 _POSITION, _VELOCITY = slice(0, 2), slice(2, 4)
 _XX, _YY, _SHARED = 4, 6, 7
@@ -50,7 +51,7 @@ class RangeObservations:
 
 
 def observe(
-    scan: RangeScan, neighbors: Mapping[NodeId, Presence], tick: int, period: float
+    scan: RangeScan, neighbors: Mapping[NodeId, Presence], tick: int, period: float, age_max: int
 ) -> tuple[RangeObservations, RangeObservations]:
     """Return the usable ranges of a scan, to beacons and to other robots.
 
@@ -66,12 +67,14 @@ def observe(
     tick : int
     period : float
         Length of a tick [s].
+    age_max : int
+        Ticks after which a hello says too little of where its sender is now; also drops a sender with another clock.
     """
     beacons: list[tuple[FloatArray, float, float]] = []
     others: list[tuple[FloatArray, float, float]] = []
     for neighbor, distance in zip(scan.neighbors.tolist(), scan.ranges.tolist(), strict=True):
         presence = neighbors.get(neighbor)
-        if presence is not None and (age := (tick - presence.tick) & 0xFFFF) <= AGE_MAX:
+        if presence is not None and (age := (tick - presence.tick) & 0xFFFF) <= age_max:
             (beacons if presence.is_beacon else others).append((presence.belief, distance, age * period))
     first = len(beacons)
     heard = beacons + others
@@ -96,6 +99,19 @@ def bodies(neighbors: Iterable[Presence]) -> tuple[FloatArray, FloatArray]:
         return _NOTHING.positions, _NOTHING.ranges
     rows = np.concatenate(beliefs).reshape(len(beliefs), -1)
     return rows[:, _POSITION], np.sqrt(0.5 * (rows[:, _XX] + rows[:, _YY]))
+
+
+def strangers(scan: RangeScan, neighbors: Mapping[NodeId, Presence]) -> FloatArray:
+    """Return the ranges to robots that have hardly an idea where they are, (n,) [m]."""
+    pairs = zip(scan.neighbors.tolist(), scan.ranges.tolist(), strict=True)
+    heard = ((neighbors.get(neighbor), distance) for neighbor, distance in pairs)
+    return np.array(
+        [
+            distance
+            for presence, distance in heard
+            if presence is not None and presence.robot_type and presence.sigma >= VAGUE_M and math.isfinite(distance)
+        ]
+    )
 
 
 _VARIANCE_UNKNOWN = (0.99 * SIGMA_UNKNOWN) ** 2

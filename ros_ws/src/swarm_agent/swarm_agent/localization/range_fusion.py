@@ -11,7 +11,8 @@ from neighbors that know as little as oneself.
 it came from the same sources, and a part of its *own*. A robot tracks, as one number, the share of its variance that is
 shared, and says it in its hellos. A range between two robots measures the difference of their errors, from which the
 shared part drops out: so the range corrects the own part only, and the shared part stays, to be reduced by beacons
-alone (or by a neighbor that shares less). What is taken over from a neighbor's own part is shared from then on.
+alone (or by a neighbor that shares less). What is taken over from a neighbor's own part, or given to it by its own
+range, is shared from then on.
 
 This is a split covariance filter (Julier and Uhlmann, 2001) whose split follows the common error and whose common parts
 count as fully, positively correlated. The numbers are in docs/decisions/0007-cooperative-localization.md.
@@ -191,14 +192,29 @@ def fuse_neighbors(
     after = _informed(belief.gaussian, own, information, pull)
     gaussian = Gaussian(after.mean, unseen * prior + after.covariance)
 
-    taken_over = (after.gain @ sight.lines) * (weights * np.sqrt(foreign))
+    pulls = (after.gain @ sight.lines) * weights  # (2, m): how far the position follows each residual
+    taken_over = pulls * np.sqrt(foreign)
     left = _position_variance(after.covariance) / max(_position_variance(own), _TINY)
     shared_after = (unseen + (shared - unseen) * left) * prior[POSITION, POSITION] + taken_over @ taken_over.T
+    if weighed.accepted:
+        shared_after += _entangled(sight.lines, pulls, sight.their - common) / weighed.accepted
     position = own[POSITION, POSITION]
     likelihood = 0.0
     if has_rivals:
         likelihood = _log_likelihood(sight.lines, residuals, variance + bend, weighed, position, model.gate)
     return Fusion(_split(gaussian, shared_after), weighed.accepted, weighed.rejected, likelihood)
+
+
+def _entangled(lines: FloatArray, pulls: FloatArray, own: FloatArray) -> FloatArray:
+    """Return, summed over the neighbors, the covariance (2, 2) that ranging has made between two robots' errors [m^2].
+
+    This robot follows the neighbor's own error, whose variance along the line is `own` (m,), by the gain. The neighbor,
+    which ranges too, follows this robot's error by its own gain, which makes the same covariance: to first order both
+    are the product of the two variances over that of the residual. Not to count it lets old errors come back as news.
+    """
+    dependence = (pulls * own) @ lines.T
+    symmetric: FloatArray = dependence + dependence.T
+    return symmetric
 
 
 def fuse_walls(

@@ -56,18 +56,18 @@ class Recognition:
         How well walls explain what is seen, up to a constant.
     faces : (f, 2) array
         The sensed points that belong to faces, relative to the robot [m].
-    is_explained : bool
-        Every point may be a wall or a robot, for all that the robot believes of its place.
+    unexplained : (u, 2) array
+        The sensed points that are neither a wall nor a robot, for all that the robot believes of its place [m].
     """
 
     directions: FloatArray
     offsets: FloatArray
     log_likelihood: float
     faces: FloatArray
-    is_explained: bool
+    unexplained: FloatArray
 
 
-NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0, np.empty((0, 2)), is_explained=True)
+NOTHING = Recognition(np.empty((0, 2)), np.empty(0), 0.0, np.empty((0, 2)), np.empty((0, 2)))
 
 
 class WallMap:
@@ -108,7 +108,7 @@ class WallMap:
         unsure : (n,) array
             Standard deviations of that [m].
         """
-        points = points[_are_no_robots(position + points, widest(covariance), robots, unsure)]
+        points = points[are_no_robots(position + points, widest(covariance), robots, unsure)]
         if not len(points) or not len(self._starts):
             return NOTHING
         spots = position + points
@@ -141,7 +141,7 @@ class WallMap:
             np.concatenate(steps),
             log_likelihood,
             points[point],
-            is_explained=bool((first <= SURPRISE_MAX).all()),
+            points[first > SURPRISE_MAX],
         )
 
 
@@ -169,8 +169,20 @@ def _surprise(directions: FloatArray, covariance: FloatArray, offsets: FloatArra
     return surprise
 
 
-def _are_no_robots(spots: FloatArray, sigma: float, robots: FloatArray, unsure: FloatArray) -> BoolArray:
-    """Return which of the points, (k, 2), no robot that speaks can have made."""
+def are_no_robots(spots: FloatArray, sigma: float, robots: FloatArray, unsure: FloatArray) -> BoolArray:
+    """Return which points are not the body of any robot that says where it is, (k,).
+
+    Parameters
+    ----------
+    spots : (k, 2) array
+        Where the points are by the own estimate [m].
+    sigma : float
+        Standard deviation of that [m].
+    robots : (n, 2) array
+        Where robots are, by their own account [m].
+    unsure : (n,) array
+        Standard deviations of that [m].
+    """
     east, north = spots[:, :1] - robots[:, 0], spots[:, 1:] - robots[:, 1]
     keep_off = ROBOT_M + SIGMAS * np.hypot(sigma, unsure)
     return np.asarray((east * east + north * north > keep_off * keep_off).all(axis=1))

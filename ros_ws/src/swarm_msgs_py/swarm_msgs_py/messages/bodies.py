@@ -24,6 +24,9 @@ class Plan:
         Goal positions [m]; the row number is the goal's id.
     goal_types : (n,) int array
         Type of robot that each goal is made for.
+    bodies : int
+        How many of the obstacles, the last ones, are bodies of lost robots. They are about there; a wall stands where
+        the map has it.
     """
 
     epoch: int
@@ -31,6 +34,17 @@ class Plan:
     obstacles: tuple[FloatArray, ...]
     goals: FloatArray
     goal_types: IntArray
+    bodies: int = 0
+
+    @property
+    def walls(self) -> tuple[FloatArray, ...]:
+        """The obstacles of the map."""
+        return self.obstacles[: len(self.obstacles) - self.bodies]
+
+    @property
+    def body_outlines(self) -> tuple[FloatArray, ...]:
+        """The obstacles that are bodies."""
+        return self.obstacles[len(self.obstacles) - self.bodies :]
 
 
 EPOCH_LEAP_MAX = 2**20
@@ -133,6 +147,8 @@ class Report:
         Own estimate [m].
     mode : int
         Value of the robot's mode.
+    sigma : float
+        Standard deviation of that position, root mean square of both axes [m].
     """
 
     robot: NodeId
@@ -141,6 +157,7 @@ class Report:
     goal: int
     position: tuple[float, float]
     mode: int
+    sigma: float
 
 
 Body = Plan | CostRow | RowRequest | RowBundle | Report

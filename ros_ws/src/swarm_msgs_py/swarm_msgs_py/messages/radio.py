@@ -41,6 +41,8 @@ class Presence:
         Newest plan held, 0 for none.
     digest : int
         Fingerprint of the cost rows held for that plan; equal digests mean equal decisions.
+    asks_for_way : bool
+        Is on its way somewhere and hardly gets on: neighbors with time to spare may step aside.
     belief : (8,) array
         Position, velocity, covariance (xx, xy, yy) and shared share in one row, so that fifty neighbors stack at once.
     """
@@ -55,6 +57,7 @@ class Presence:
     mode: int
     epoch: int
     digest: int
+    asks_for_way: bool = False
     belief: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

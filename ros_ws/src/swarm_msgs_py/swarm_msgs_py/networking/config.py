@@ -25,7 +25,12 @@ class NetworkConfig(Config):
         6.0, "a route not refreshed for this long is deleted (spec 5.3, rule 2)", unit="s", above=0.0, maximum=600.0
     )
     delay_max_s: float = setting(
-        0.5, "longest delay of a frame on the air, beyond the tick it always takes", unit="s", minimum=0.0, maximum=60.0
+        1.0,
+        "longest delay of a hello, beyond the tick it always takes: a node that starts late keeps silent for as long; "
+        "a run raises it to what its radio can do (sim.radio)",
+        unit="s",
+        minimum=0.0,
+        maximum=60.0,
     )
     hop_limit: int = setting(32, "hops that a packet or route may take", unit="hops", minimum=1, maximum=250)
     settling_factor: float = setting(

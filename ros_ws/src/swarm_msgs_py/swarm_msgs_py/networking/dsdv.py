@@ -2,15 +2,17 @@
 
 Semantics of Perkins and Bhagwat (SIGCOMM 1994) as spec sections 5.2 and 5.3 fix them: a destination numbers itself with
 even numbers; a node that loses its next hop marks the route infinite with the next odd number; newer beats older, and
-of equally new offers the shorter one wins. Three choices go beyond them:
+of equally new offers the shorter one wins. Four choices depart from them:
 
 * *A break concerns those who route through its sender.* An infinite row is believed from the route's own next hop only.
   Others keep their route, which does not lead over the break; nothing is gained by dropping it.
 * *Feasible successors.* The latest offer of every neighbour is kept. When the next hop fails, a neighbour that offers a
   route of the same number and no more hops replaces it; only without one is the route broken. (The condition is that
   of DUAL, Garcia-Luna-Aceves 1993, and of Babel, RFC 8966.)
-* *Nothing is unlearnt.* A stale row is no longer used or advertised, but its number and hop count stay as a floor below
-  which no offer is taken.
+* *Nothing is unlearnt.* A stale row is no longer used or advertised, but its label stays a floor for later offers.
+* *A number lasts a dump period*, not one advert (section 5.2): each new number is a row in everybody's next hello, and
+  one per tick would fill the channel of a crowd (docs/decisions/0008-numbers-per-dump.md). Instead, where frames are
+  lost, renewed rows that neighbors seem to have missed are said twice (`renewals`).
 
 Why there is never a loop
 -------------------------
@@ -20,13 +22,14 @@ Compare labels (number, hops) of one destination: newer is better, and of one nu
    number, no more hops), or by a break (a newer number). Deletion keeps it. The destination only raises its number.
 2. *A next hop has a strictly better label.* When node i takes next hop k, it does so on a label that k once advertised,
    and i's own label is that one plus one hop: worse. By 1, k's label can only have improved since, and i's label
-   changes only together with a check against an offer (or by a break, which removes the next hop). So at any instant,
-   for any delay, loss, repetition or reordering of adverts, the label improves strictly along each next hop, and a
-   chain of next hops cannot return to where it was. The same holds for *every* feasible successor, so a packet may
-   take any of them.
+   changes only together with a check against an offer (or by a break, which removes the next hop). So at any instant
+   the label improves strictly along each next hop, and a chain of next hops cannot return to where it was. The same
+   holds for *every* feasible successor, so a packet may take any of them. As long as no table is lost, adverts may be
+   lost, repeated, reordered and delayed at will (short of the 2^14 dumps, half a day, after which numbers wrap).
 3. *Damping and incremental adverts* only delay what others hear of a label. By 2, an old label is as safe as a new one.
-4. *Joining and leaving.* A node that starts with an empty table has no label, and nobody may point to it: `MeshNetwork`
-   keeps a node that may have had an earlier life silent until all have forgotten that life.
+4. *Joining and leaving.* A node that starts with an empty table has no label, and nobody may point to it. Only here the
+   delay needs a bound: `MeshNetwork` keeps a node that may have had an earlier life silent until its neighbors must
+   have forgotten it, adverts up to `NetworkConfig.delay_max_s` late included. Beyond that, routes may circle.
 
 Counting to infinity would raise hops at a constant number, which 1 excludes.
 """
@@ -53,6 +56,7 @@ from swarm_msgs_py.networking.labels import (
     sequences_of,
     unpacked,
 )
+from swarm_msgs_py.networking.renewals import LOSS_MIN, Renewals
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 _NOBODY = -1
@@ -104,6 +108,7 @@ class RouteTable:
         self._pending: BoolArray = np.zeros(0, dtype=np.bool_)
         self._due_at: IntArray = np.zeros(0, dtype=np.int64)
         self._offers: LabelArray = np.zeros((16, 0), dtype=np.int32)
+        self._renewals = Renewals()
         self._reachable: tuple[NodeId, ...] | None = None
         self._reserve(64)
         self._next_hop[_UNKNOWN] = _NOBODY
@@ -195,7 +200,7 @@ class RouteTable:
             self._adopt(tick, slots[better], labels[better], margins[better], sources[better])
         if not finite.all():
             rows = np.flatnonzero(~finite)
-            self._withdraw(tick, slots[rows], labels[rows], margins[rows], sources[rows])
+            self._withdraw(tick, slots[rows], labels[rows], sources[rows])
 
     def lose(self, tick: int, neighbors: Iterable[NodeId]) -> None:
         """Mend or break every route through neighbours that are gone."""
@@ -221,13 +226,18 @@ class RouteTable:
             self._pending[slots] = False
             self._reachable = None
 
-    def advertise(self, tick: int) -> RouteRows:
+    def advertise(self, tick: int, loss: float = 0.0) -> RouteRows:
         """Return the rows for this tick's hello: the own row, and what changed or, once per dump period, everything.
 
         The node's number rises by two with each full dump. Nodes dump in two turns, by their ids: merging many dumps
-        at once costs little more than merging one, and two turns keep the peak of a neighbourhood's load low.
+        at once costs little more than merging one, and two turns keep the peak of a neighbourhood's load low. Where
+        a share `loss` of the frames is lost, renewed rows that neighbors seem to have missed are said twice.
         """
-        count = self._slots
+        count, is_lossy = self._slots, loss > LOSS_MIN
+        if is_lossy:
+            neighbors = int(np.count_nonzero(self._neighbor_ids != _NOBODY))
+            missed = self._renewals.missed(tick, self._label, self._offers, neighbors)
+            self._announce(tick, missed[self._state[missed] != _DELETED])
         if (tick - self._node % _DUMP_TURNS * self._dump_ticks // _DUMP_TURNS) % self._dump_ticks == 0:
             self._label[_SELF] = self._numbered(self.sequence + 2)
             self._challenge_neighbors(tick)
@@ -241,6 +251,8 @@ class RouteTable:
             order = np.lexsort((self._destination[due], self._due_at[due], self._state[due] == _ACTIVE))
             due = due[order[: self._rows_per_hello - 1]]
         self._pending[due] = False
+        if is_lossy:
+            self._renewals.note(tick, due, self._label[due])
         slots = np.concatenate(([_SELF], due))
         labels = self._label[slots]
         return RouteRows(self._destination[slots], hops_of(labels), sequences_of(labels))
@@ -249,10 +261,13 @@ class RouteTable:
         """Advertise the row of `destination` again: somebody has not understood that it is broken."""
         slot = self._slot_of[destination]
         if self._state[slot] == _BROKEN:
-            self._pending[slot] = True
-            self._due_at[slot] = tick
+            self._announce(tick, slot)
 
     # -- rules ---------------------------------------------------------------------------------------------------------
+
+    def _announce(self, tick: int, slots: IntArray) -> None:
+        self._pending[slots] = True
+        self._due_at[slots] = tick
 
     def _record(self, indices: IntArray, slots: IntArray, labels: LabelArray) -> None:
         """Keep the best label that each neighbour has ever advertised (labels never get worse)."""
@@ -262,12 +277,15 @@ class RouteTable:
         offers[cells[newer]] = labels[newer]
 
     def _outnumber(self, heard: LabelArray) -> None:
-        """Take a number above those that others hold for this node.
+        """Take a number above those that others hold for this node, unless its own is above them already.
 
         Odd: somebody lost the route to this node. Even: they remember an earlier life of it.
         """
-        newest = int(sequences_of(heard[np.argmax(heard - self._label[_SELF : _SELF + 1])][None])[0])
-        self._label[_SELF] = self._numbered(newest + 2 - newest % 2)
+        own = self._label[_SELF : _SELF + 1]
+        newest = int(sequences_of(heard[np.argmax(heard - own)][None])[0])
+        above = labels_of(np.array([newest + 2 - newest % 2]) & 0xFFFF, np.zeros(1, dtype=np.int64))
+        if above - own > 0:  # else what was heard is older, or too far off to tell
+            self._label[_SELF] = above[0]
 
     def _adopt(self, tick: int, slots: IntArray, labels: LabelArray, margins: LabelArray, via: IntArray) -> None:
         """Take the best of the better offers for each slot; of equals the one of the lowest neighbour."""
@@ -299,17 +317,15 @@ class RouteTable:
         if not was_active.all():
             self._reachable = None
 
-    def _withdraw(self, tick: int, slots: IntArray, labels: LabelArray, margins: LabelArray, via: IntArray) -> None:
-        """Judge infinite rows: obey the next hop, answer those who could use this node's newer route."""
-        rumors = labels[(slots == _SELF) & (margins > 0)]
+    def _withdraw(self, tick: int, slots: IntArray, labels: LabelArray, via: IntArray) -> None:
+        """Judge infinite rows: obey the next hop, answer those who could use this node's route, just adopted or not."""
+        rumors = labels[slots == _SELF]
         if len(rumors):
             self._outnumber(rumors)
         active = (self._state[slots] == _ACTIVE) & (slots != _SELF)
         answer = slots[active & (self._label[slots] - labels >= 0)]
-        self._pending[answer] = True
-        self._due_at[answer] = tick
-        # Adoption may have changed the label since `margins` was taken; a better label then outranks the break.
-        obeyed = active & (margins > 0) & (labels - self._label[slots] > 0) & (self._next_hop[slots] == via)
+        self._announce(tick, answer)
+        obeyed = active & (labels - self._label[slots] > 0) & (self._next_hop[slots] == via)
         if obeyed.any():
             self._repair(tick, slots[obeyed], labels[obeyed])
 
@@ -328,9 +344,7 @@ class RouteTable:
         self._label[cut] = otherwise[~found]
         self._state[cut] = _BROKEN
         self._refreshed_at[cut] = tick
-        changed = np.concatenate((improved, cut))
-        self._pending[changed] = True
-        self._due_at[changed] = tick
+        self._announce(tick, np.concatenate((improved, cut)))
         self._reachable = None
 
     def _challenge_neighbors(self, tick: int) -> None:

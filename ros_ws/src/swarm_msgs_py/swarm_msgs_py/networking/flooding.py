@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from swarm_msgs_py.body_codec import is_urgent
 from swarm_msgs_py.messages.radio import Packet
 from swarm_msgs_py.networking.labels import BoolArray
 from swarm_msgs_py.types import IntArray, NodeId
@@ -18,6 +19,10 @@ FloodName = tuple[NodeId, int]
 _MISSES = 1e-2  # share of floods that a radio may miss; anti-entropy of the application repairs them
 _LOSS_MIN = 0.03  # less than this may be frames that are late, and is no cause for more copies
 _LOSS_MAX = 0.5  # where more is lost, more copies would only take the channel
+
+_URGENT_COPIES, _FEW = 1, 20
+"""Copies more of what all wait for, where there are few neighbors: then it matters that one which has just got out of
+reach was counted on to relay it. In a crowd somebody else will, and the channel has no room for more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,9 +50,22 @@ class _Waiting:
 
     packet: Packet
     transmitters: list[NodeId]
-    since: int
+    came_at: int
+    since: int  # it came, or was transmitted last
     is_own: bool = False
     sent: int = 0
+    is_urgent: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.is_urgent = is_urgent(self.packet.body)
+
+    @property
+    def rank(self) -> tuple[bool, bool]:
+        return not self.is_urgent, not self.is_own
+
+    @property
+    def is_first(self) -> bool:
+        return self.is_urgent or (self.is_own and not self.sent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +88,7 @@ class RelayPolicy:
 
 
 class FloodQueue:
-    """Flooded packets of one radio that wait for transmission, own ones first, then oldest first.
+    """Flooded packets of one radio that wait for transmission: urgent ones first, then own ones, then oldest first.
 
     Whether a packet must be relayed is decided as late as possible, with all copies heard until then: what waits for
     its turn is often relayed by others in the meantime (as in Peng and Lu, "On the reduction of broadcast redundancy in
@@ -83,29 +101,27 @@ class FloodQueue:
     ----------
     capacity : int
         Own packets that may wait, and as many of others; of more, the oldest is dropped.
+    stay_ticks_max : float
+        One that has waited longer than this is dropped.
     """
 
-    def __init__(self, capacity: int) -> None:
+    def __init__(self, capacity: int, stay_ticks_max: float = math.inf) -> None:
         self._capacity = capacity
+        self._stay = stay_ticks_max
         self._waiting: dict[FloodName, _Waiting] = {}  # in order of arrival
         self.dropped = 0
-        """Packets given up because too many waited."""
+        """Packets given up because too many waited, or they did for too long."""
 
     def __len__(self) -> int:
         return len(self._waiting)
 
-    @property
-    def has_own(self) -> bool:
-        """Whether a packet of this radio waits for its first transmission."""
-        return any(entry.is_own and not entry.sent for entry in self._waiting.values())
-
     def put_own(self, tick: int, packet: Packet) -> None:
         """Take over a packet of this radio, which is transmitted in any case."""
-        self._put(_Waiting(packet, [], tick, is_own=True))
+        self._put(_Waiting(packet, [], tick, tick, is_own=True))
 
     def put(self, tick: int, packet: Packet, transmitter: NodeId) -> None:
         """Take over a packet to relay, heard from `transmitter` for the first time."""
-        self._put(_Waiting(packet, [transmitter], tick))
+        self._put(_Waiting(packet, [transmitter], tick, tick))
 
     def _put(self, entry: _Waiting) -> None:
         self._waiting[entry.packet.origin, entry.packet.number] = entry
@@ -121,7 +137,15 @@ class FloodQueue:
         if entry is not None:
             entry.transmitters.append(transmitter)
 
-    def next(self, tick: int, vicinity: Vicinity, policy: RelayPolicy, room: float = math.inf) -> Packet | None:
+    def next(
+        self,
+        tick: int,
+        vicinity: Vicinity,
+        policy: RelayPolicy,
+        room: float = math.inf,
+        *,
+        first_only: bool = False,
+    ) -> Packet | None:
         """Take out the next packet that must be transmitted, and those before it that others have relayed; or None.
 
         Parameters
@@ -132,16 +156,25 @@ class FloodQueue:
         room : float
             Bytes that the channel has room for in a tick. Of all who could relay a packet, only as many do so at once
             as fit; the others take their turns in later ticks, if it is still wanted then.
+        first_only : bool
+            Whether only urgent packets and first transmissions of own ones are meant.
         """
-        own_first = sorted(self._waiting.items(), key=lambda item: not item[1].is_own)
-        for name, entry in own_first:
+        for name, entry in sorted(self._waiting.items(), key=lambda item: item[1].rank):
             packet = entry.packet
+            if first_only and not entry.is_first:
+                continue
+            if tick - entry.came_at > self._stay:
+                del self._waiting[name]
+                self.dropped += not entry.sent
+                continue
             if entry.is_own and not entry.sent:
                 return self._sent(tick, name, policy)
             if entry.sent and tick < entry.since + policy.answer_ticks:
                 continue
+            is_doubled = entry.is_urgent and len(vicinity.neighbors) <= _FEW
+            copies = policy.copies + (_URGENT_COPIES if is_doubled else 0)
             is_wanted = entry.sent < policy.repeats and must_relay(
-                packet, entry.transmitters, vicinity, policy.copies, entry.sent
+                packet, entry.transmitters, vicinity, copies, entry.sent
             )
             if not is_wanted:
                 del self._waiting[name]

@@ -32,13 +32,11 @@ from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.dsdv import RouteTable
 from swarm_msgs_py.networking.flooding import FloodQueue, Vicinity, policy_against
 from swarm_msgs_py.networking.labels import Advert, Route, advert_of
+from swarm_msgs_py.networking.lifetimes import PacketMemory, PacketNumbers, delay_ticks_max, stay_ticks_max
 from swarm_msgs_py.networking.neighbors import NeighborTable
 from swarm_msgs_py.networking.outbox import Outbox
 from swarm_msgs_py.networking.pacer import Pacer
 from swarm_msgs_py.types import EVERYONE, NodeId
-
-_NUMBERS_PER_TICK = 16
-"""Packet numbers of a node that starts late begin beyond those of an earlier life of it."""
 
 _ACKNOWLEDGED_PER_FRAME = 1000
 
@@ -63,15 +61,15 @@ class MeshNetwork:
         self._neighbor_table = NeighborTable(config.missed_adverts)
         self._routes = RouteTable(node, config, period_s)
         self._outbox = Outbox(config, period_s)
-        self._delay_max = round(config.delay_max_s / period_s)
+        self._delay_max = delay_ticks_max(config, period_s)
         self._delay = 0  # longest yet of a frame [ticks]
         self._silence = config.missed_adverts + 2 + self._delay_max
         self._speaks_from: int | None = None
         self._tick = 0
         self._frame_number = 0
-        self._packet_number = 0
-        self._seen: dict[Hashable, None] = {}  # in order of arrival
-        self._floods = FloodQueue(config.queue_packets)
+        self._packet_numbers = PacketNumbers()
+        self._seen = PacketMemory(config, period_s)
+        self._floods = FloodQueue(config.queue_packets, stay_ticks_max(config, period_s))
         self._pacer = Pacer(config, period_s)
         self._to_acknowledge: list[tuple[NodeId, NodeId, int]] = []
         self._to_self: list[Delivery] = []
@@ -197,7 +195,7 @@ class MeshNetwork:
         self._begin(tick)
         frames = []
         if self._is_listening():
-            rows = self._routes.advertise(tick)
+            rows = self._routes.advertise(tick, self._neighbor_table.loss)
             frames.append(encode_frame(Hello(self._node, self._next_frame(), presence, rows)))
         if self._to_acknowledge:
             arrived = tuple(dict.fromkeys(self._to_acknowledge))
@@ -213,15 +211,15 @@ class MeshNetwork:
     # -- one tick ------------------------------------------------------------------------------------------------------
 
     def _begin(self, tick: int) -> None:
-        """Start the node's life at its first tick.
+        """Start the tick, and the node's life if it is its first.
 
         Who starts at tick 0 has no earlier life. Who starts later may have had one: others may still route through it,
         on what it knew then. It keeps silent, and learns nothing, until they must have noticed (see `dsdv`).
         """
         self._tick = tick
+        self._seen.expire(tick)
         if self._speaks_from is None:
             self._speaks_from = tick + self._silence if tick > 0 else 0
-            self._packet_number += tick * _NUMBERS_PER_TICK & 0xFFFF
 
     def _is_listening(self) -> bool:
         return self._speaks_from is not None and self._tick >= self._speaks_from
@@ -272,26 +270,27 @@ class MeshNetwork:
     def _paced(self, tick: int) -> list[bytes]:
         """Return the frames of the packets that the radio's share of the channel has room for.
 
-        First what this radio itself has to tell everybody; then what neighbors ask of each other, because it mends what
-        floods have lost and takes one transmission; then floods of others, and last what crosses the swarm to one node.
+        First plans, and what this radio itself has to tell everybody; then what neighbors ask of each other, because it
+        mends what floods have lost and takes one transmission; then floods of others, and last what crosses the swarm
+        to one node.
         """
         if not self._floods and not self._outbox:
             return []
         self._pacer.fill(tick, self._routes.crowd())
-        frames = self._flooded(tick, own_only=True)
+        frames = self._flooded(tick, first_only=True)
         frames += self._routed(tick, self.neighbors)
         frames += self._flooded(tick)
         return frames + self._routed(tick)
 
-    def _flooded(self, tick: int, *, own_only: bool = False) -> list[bytes]:
+    def _flooded(self, tick: int, *, first_only: bool = False) -> list[bytes]:
         frames: list[bytes] = []
         if not self._floods:
             return frames
         neighbors = np.array(list(self.neighbors), dtype=np.int64)
         vicinity = Vicinity(self._node, neighbors, self._routes.vicinity(neighbors))
         policy = policy_against(self._neighbor_table.loss, self._config.flood_redundancy, self._delay)
-        while self._pacer.is_open and (self._floods.has_own or not own_only):
-            packet = self._floods.next(tick, vicinity, policy, self._pacer.room)
+        while self._pacer.is_open:
+            packet = self._floods.next(tick, vicinity, policy, self._pacer.room, first_only=first_only)
             if packet is None:
                 break
             frames.append(self._encode(packet, EVERYONE))
@@ -313,16 +312,10 @@ class MeshNetwork:
 
     def _remember(self, name: Hashable) -> bool:
         """Return whether `name` is new, and remember it."""
-        if name in self._seen:
-            return False
-        self._seen[name] = None
-        if len(self._seen) > self._config.seen_packets:
-            del self._seen[next(iter(self._seen))]
-        return True
+        return self._seen.add(self._tick, name)
 
     def _packet(self, next_hop: NodeId, destination: NodeId, body: bytes) -> Packet:
-        self._packet_number = (self._packet_number + 1) & 0xFFFF
-        ends = self._node, destination, self._packet_number
+        ends = self._node, destination, self._packet_numbers.take(self._tick)
         return Packet(self._node, 0, next_hop, *ends, self._config.hop_limit, body)
 
     def _encode(self, packet: Packet, next_hop: NodeId) -> bytes:

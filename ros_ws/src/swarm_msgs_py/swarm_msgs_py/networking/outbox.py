@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from swarm_msgs_py.frames import encode_frame
 from swarm_msgs_py.messages.radio import Acknowledgement, Packet
 from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.networking.lifetimes import patience_ticks, stay_ticks_max
 from swarm_msgs_py.networking.pacer import Pacer
 from swarm_msgs_py.types import EVERYONE, NodeId
 
@@ -35,11 +36,12 @@ class Outbox:
     def __init__(self, config: NetworkConfig, period_s: float) -> None:
         self._capacity = config.queue_packets
         self._attempts = config.attempts
-        self._patience = max(2, round(config.acknowledge_time_s / period_s))  # out and back takes two ticks
+        self._patience = patience_ticks(config, period_s)
         self._hold = round(config.hold_time_s / period_s)
+        self._stay = stay_ticks_max(config, period_s)
         self._pending: list[_Pending] = []
         self.dropped = 0
-        """Packets given up: no route for too long, no acknowledgement, or too many waiting."""
+        """Packets given up: no route or no turn for too long, no acknowledgement, or too many waiting."""
 
     def __len__(self) -> int:
         return len(self._pending)
@@ -90,10 +92,12 @@ class Outbox:
             return []
         ready, gone = [], set()
         for entry in self._pending:
-            if tick < entry.next_attempt or (destinations is not None and entry.packet.destination not in destinations):
+            age, is_wanted = tick - entry.since, destinations is None or entry.packet.destination in destinations
+            if age <= self._stay and (tick < entry.next_attempt or not is_wanted):
                 continue
             choices = successors(entry.packet.destination)
-            if len(entry.tried) >= self._attempts or (not choices and tick - entry.since >= self._hold):
+            is_hopeless = len(entry.tried) >= self._attempts or (not choices and age >= self._hold)
+            if is_hopeless or age > self._stay:
                 self.dropped += 1
                 gone.add(id(entry))
             elif choices and pacer.is_open:

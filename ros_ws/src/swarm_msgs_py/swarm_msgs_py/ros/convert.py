@@ -58,11 +58,14 @@ def decode_imu(data: bytes) -> tuple[float, ImuSample]:
     Raises
     ------
     MessageError
-        If the message is cut short.
+        If the message is cut short, or a number that is read from it is not finite.
     """
     time, at = cdr.read_header(data)
     numbers = cdr.read_doubles(data, _IMU, at)
-    return time, ImuSample(np.array(numbers[25:27]), yaw_of(numbers[2], numbers[3]), numbers[15])
+    z, w, yaw_rate, forward, left = measured = (*numbers[2:4], numbers[15], *numbers[25:27])
+    if not all(map(math.isfinite, measured)):
+        raise cdr.MessageError(f"inertial sample must be finite, got {', '.join(map(str, measured))}")
+    return time, ImuSample(np.array([forward, left]), yaw_of(z, w), yaw_rate)
 
 
 def encode_fix(stamp: bytes, fix: PositionFix) -> bytes:

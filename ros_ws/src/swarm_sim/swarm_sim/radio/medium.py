@@ -7,6 +7,7 @@ ticks as it takes; who hears it is decided in the tick in which it is complete.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +23,26 @@ from swarm_sim.radio.links import LinkTable
 from swarm_sim.radio.occupancy import ChannelOccupancy
 
 BITS = 8.0
+
+
+def longest_delay(config: RadioConfig, period_s: float, size: int) -> int:
+    """Return how many ticks a frame can arrive later than in the next tick.
+
+    At worst as much waits before it as `RadioConfig.queue_s` allows, its own transmission takes time, and then it is as
+    late as any.
+
+    Parameters
+    ----------
+    config : RadioConfig
+    period_s : float
+        Length of a tick [s].
+    size : int
+        Of the frame [bytes]. One that is not the first of its tick waits for those before it, too: add them.
+    """
+    bytes_per_tick = config.budget_bps / BITS * period_s
+    waiting = config.budget_bps / BITS * config.queue_s
+    # One byte more for the fraction that a tick may leave to a later one.
+    return config.delay_ticks_max + math.ceil((waiting + size + 1) / bytes_per_tick)
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,10 +51,10 @@ class Ranging:
         if tick % self._every:
             return [_NO_SCAN] * n
         rows, columns = np.nonzero(links.connected[:n, :n])
-        if self._config.model is RangingModel.RANGE:
-            values = self._noisy_ranges(tick, links.distances[rows, columns], rows, columns)
-        else:
+        if self._config.model is RangingModel.POSITION:
             values = self._ranges_from_noisy_points(tick, positions, rows, columns)
+        else:
+            values = self._noisy_ranges(tick, links.distances[rows, columns], rows, columns)
         cuts = np.searchsorted(rows, np.arange(n + 1)).tolist()
         ids = self._ids[columns]
         ids.flags.writeable = values.flags.writeable = False
