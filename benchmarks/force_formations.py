@@ -52,14 +52,14 @@ def main(arguments: Sequence[str]) -> None:
     print(f"| law | shape | {' | '.join(COLUMNS)} |\n|{' --- |' * (len(COLUMNS) + 2)}")
     for law in options.law:
         for shape in options.shapes:
-            print(f"| {law} | {shape} | {_row(ForceConfig(law=ForceLawName(law)), shape, options.seeds)} |", flush=True)
+            print(f"| {law} | {shape} | {_row(ForceLawName(law), shape, options.seeds)} |", flush=True)
 
 
-def _row(config: ForceConfig, shape: str, seeds: int) -> str:
-    contour = load_shape(shape)
+def _row(name: ForceLawName, shape: str, seeds: int) -> str:
+    config, contour = ForceConfig(), load_shape(shape)
     goals = BubblePacking(BubbleConfig()).place(Domain(contour, OBSTACLES, RADII, Gaps()))
     assert goals is not None, "the field's roster fits every library formation"
-    law = law_for(config.at_period(PERIOD), contour, OBSTACLES, PlanningConfig())
+    law = law_for(name, config.at_period(PERIOD), contour, OBSTACLES, PlanningConfig())
     outcomes = [
         form(law, config, contour, scattered(RADII, OBSTACLES, seed), RADII, OBSTACLES, deadline=DEADLINE)
         for seed in range(seeds)

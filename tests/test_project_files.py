@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from source_tree import PACKAGES, ROOT, SRC, Module, imported_packages, is_ros, modules_of, script_modules
 
+from batches import arguments as batch_arguments
+from batches.cells import cells
 from bringup import arguments
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario, parse_assignment
@@ -121,7 +123,7 @@ def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.Monke
     for script, words in commands:
         take(script, words, monkeypatch)
     assert {script for script, words in commands if words} >= {
-        *("scripts/launch_swarm.py", "scripts/lps_study.py"),
+        *("scripts/launch_swarm.py", "scripts/lps_study.py", "scripts/monte_carlo.py"),
         *("benchmarks/formation.py", "benchmarks/robustness.py", "benchmarks/mesh_delivery.py"),
     }
 
@@ -135,6 +137,8 @@ def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.Monke
         "scripts/launch_swarm.py --nonsense",
         "scripts/lps_study.py --nonsense",
         "scripts/lps_study.py --modes gps",
+        "scripts/monte_carlo.py --method bubbles",
+        "scripts/monte_carlo.py --seeds many",
         "scripts/no_such_script.py",
         "benchmarks/formation.py --nonsense",
         "benchmarks/robustness.py nonsense",
@@ -218,6 +222,8 @@ def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None
         take_launch([word for word in words if word not in {"--help", "key=value"}])
     elif script == "scripts/lps_study.py":
         lps_arguments.parse_arguments(words)
+    elif script == "scripts/monte_carlo.py":
+        cells(batch_arguments.parse_arguments(words).design)
     elif "ArgumentParser" not in (ROOT / script).read_text("utf-8"):
         assert words == [], f"{script} has no options"
     else:

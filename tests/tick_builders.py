@@ -20,7 +20,11 @@ Points = Sequence[Sequence[float]]
 
 def make_plan(goals: Points, contour: Points = ((-5, -5), (5, -5), (5, 5), (-5, 5))) -> Plan:
     return Plan(
-        1, np.array(contour, dtype=float), (), np.array(goals, dtype=float), np.ones(len(goals), dtype=np.int64)
+        1,
+        np.array(contour, dtype=float),
+        (),
+        np.array(goals, dtype=float).reshape(-1, 2),
+        np.ones(len(goals), dtype=np.int64),
     )
 
 

@@ -10,18 +10,23 @@ from pathlib import Path
 
 from bringup.option_types import OneLineParser, choice, folder, whole
 from bringup.scenario_file import (
+    FORCE_TASKS,
     ROBOT_COUNT,
     Override,
     map_override,
+    method_overrides,
     parse_assignment,
     scenario_names,
     shape_override,
 )
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.partition import Method
 from swarm_sim.config import Backend
 
 DEMO = "demo"
 SEED_MAX = 2**32 - 1
+METHODS = (*(method.value for method in Method), *FORCE_TASKS)
+"""Methods as the command line names them."""
 
 
 class EngineKind(Enum):
@@ -101,7 +106,8 @@ def _make_parser() -> argparse.ArgumentParser:
     add("--scenario", metavar="NAME|FILE", default=DEMO, help="what to run (default: %(default)s)")
     add("--shape", metavar="NAME|FILE", help="form this shape instead of the scenario's")
     add("--map", metavar="NAME|FILE", help="in this arena instead of the scenario's")
-    add("--method", metavar="M", help="method of the mission, for example bubble-packing")
+    add("--method", metavar="M", type=choice(Method, *FORCE_TASKS),
+        help=f"how the shape is formed: {', '.join(METHODS)}")  # fmt: skip
     add("--agents", metavar="N", type=whole(1, 1000), help="number of robots; keeps the mix of types")
     add("--seed", metavar="S", type=whole(0, SEED_MAX), help="seed of everything that is drawn")
     add("--engine", metavar="ENGINE", type=choice(EngineKind), default=EngineKind.ROS.value,
@@ -125,7 +131,7 @@ def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
     if given.map is not None:
         overrides.append(map_override(given.map))
     if given.method is not None:
-        overrides.append(Override(f"--method {given.method}", "mission.partition.method", given.method))
+        overrides += method_overrides(given.method)
     if given.agents is not None:
         overrides.append(Override(f"--agents {given.agents}", ROBOT_COUNT, given.agents))
     if given.seed is not None:

@@ -18,6 +18,7 @@ from bringup.arguments import Arguments, EngineKind, parse_arguments
 from bringup.compose import ScenarioActors
 from bringup.engine import Engine
 from bringup.inprocess import InProcessEngine
+from bringup.installation import check_physics
 from bringup.interruption import Interruption
 from bringup.progress import Progress, print_summary
 from bringup.resolution import resolve
@@ -27,7 +28,6 @@ from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario
 from bringup.steady_stream import steady
 from swarm_msgs_py.errors import ConfigError, PhysicsError, ShapeError, SwarmError
-from swarm_sim.config import Backend
 
 ACHIEVED, NOT_ACHIEVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 WRONG_INPUT = (ConfigError, ShapeError, PhysicsError)  # the other errors are nobody's fault: a node did not come up
@@ -100,8 +100,7 @@ def _check_installation(arguments: Arguments, scenario: Scenario) -> None:
         raise ConfigError(
             "--engine ros: rclpy is not installed; run `make`, or source ROS 2, or use --engine inprocess"
         )
-    if scenario.sim.physics.backend is Backend.BULLET and importlib.util.find_spec("pybullet") is None:
-        raise ConfigError("sim.physics.backend: pybullet is not installed; run `make`, or use --physics massdamper")
+    check_physics(scenario)
 
 
 def _make_engine(arguments: Arguments, actors: ScenarioActors) -> Engine:

@@ -106,7 +106,8 @@ class ScenarioActors:
         )
 
     def agent(self, robot: NodeId) -> Agent:
-        """Make one robot's agent. It knows the map and roughly its start point, as the operator tells it before."""
+        """Make one robot's agent. The operator tells it the map, roughly its start point, and how to partition."""
         kind = self.scene.robots[robot].type
         start = told_start(self.scenario, self.scene, robot)
-        return Agent(robot, self.agent_config(robot), kind, self.period_s, self.scene.obstacles, start)
+        tuning = self.scenario.mission.partition
+        return Agent(robot, self.agent_config(robot), kind, self.period_s, self.scene.obstacles, start, tuning)

@@ -11,6 +11,7 @@ from bringup.labels import first_few
 from bringup.layout import rally_point
 from bringup.scenario import Scenario
 from mission_computer.plan_making import PlanMaker
+from swarm_agent.decision.homing import home_point
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError, FrameError
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
@@ -75,6 +76,9 @@ def check_events(scenario: Scenario) -> None:
             if robot in seen:
                 raise ConfigError(f"events[{number}].kill: {name} is killed twice; remove it here or there")
             seen.add(robot)
+    stops = [number for number, event in enumerate(scenario.events) if event.stop is not None]
+    if len(stops) > 1:
+        raise ConfigError(f"events[{stops[1]}].stop: the mission computer is stopped twice; remove it here or there")
 
 
 def _last_of(count: int) -> str:
@@ -91,7 +95,8 @@ def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacle
     ShapeError
         If the shape cannot be used.
     """
-    maker = PlanMaker(scenario.mission.partition, roster, obstacles, scenario.map.bounds_m)
+    mission = scenario.mission
+    maker = PlanMaker(mission.partition, roster, obstacles, scenario.map.bounds_m, mission.asked)
     try:
         return maker.for_shape(1, contour, ())
     except FrameError as error:
@@ -101,6 +106,8 @@ def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacle
 def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:
     """Refuse robots without a path to any goal of their type, and goals that no robot of their type has a path to.
 
+    In a plan without goals, the point to which lost robots return stands for them.
+
     Raises
     ------
     ConfigError
@@ -109,14 +116,15 @@ def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:
     walled_off: list[NodeId] = []
     longest = 0.0
     for _, kind in sorted({robot.type.type: robot.type for robot in scene.robots}.items()):
-        _check_clearance(scenario, scene, plan, kind)
+        if plan.task.has_goals:
+            _check_clearance(scenario, scene, plan, kind)
         costs, robots = _costs(scenario, scene, plan, kind)
-        has_path = np.isfinite(costs)
+        has_path, ids = np.isfinite(costs), np.flatnonzero(plan.goal_types == kind.type)
         walled_off += [robot for robot, row in zip(robots, has_path, strict=True) if not row.any()]
-        blocked = np.flatnonzero(plan.goal_types == kind.type)[~has_path.any(axis=0)]
+        blocked = np.flatnonzero(~has_path.any(axis=0))
         if len(blocked) and has_path.any():
             raise ConfigError(
-                f"no path leads to {_goal(plan, int(blocked[0]))} for robots of type {kind.type}; "
+                f"no path leads to {_goal(plan, int(ids[blocked[0]]))} for robots of type {kind.type}; "
                 "move the obstacles apart, or move the shape"
             )
         longest = max(longest, float(costs[has_path].max(initial=0.0)))
@@ -155,6 +163,8 @@ def _costs(scenario: Scenario, scene: Scene, plan: Plan, kind: RobotType) -> tup
     """Return the path length from each robot of a type to each goal of it, (n, g), inf for none [m]; and the robots."""
     planner = planner_for(scene.obstacles, kind.coverage_radius_m, scenario.agent.planning)
     goals = plan.goals[plan.goal_types == kind.type]
+    if not plan.task.has_goals:
+        goals = home_point(plan.contour, planner.space)[None]
     robots = [robot for robot in scene.robots if robot.type.type == kind.type]
     costs = np.array([planner.costs(np.array(robot.position), goals) for robot in robots])
     return costs, [robot.id for robot in robots]

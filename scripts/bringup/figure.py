@@ -53,7 +53,9 @@ def run_figure(scenario: Scenario, trace: Trace, plan: Plan | None, metrics: For
     arena.set_title("arena and trajectories", fontsize=10)
     detail.set_title("final formation", fontsize=10)
     figure.suptitle(_headline(metrics), fontsize=11)
-    figure.legend(handles=_legend(types, metrics), loc="outside lower center", ncols=8, fontsize=SMALL, frameon=False)
+    figure.legend(
+        handles=_legend(types, metrics, plan), loc="outside lower center", ncols=8, fontsize=SMALL, frameon=False
+    )
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
@@ -96,7 +98,7 @@ def _draw_robots(axes: Axes, trace: Trace, types: tuple[RobotType, ...]) -> None
 
 
 def _draw_goals(axes: Axes, plan: Plan | None) -> None:
-    if plan is not None:
+    if plan is not None and len(plan.goals):
         axes.plot(plan.goals[:, 0], plan.goals[:, 1], "+", color="black", markersize=5, markeredgewidth=0.8, zorder=6)
 
 
@@ -132,7 +134,7 @@ def _draw_scale_bar(axes: Axes, width: float) -> None:
 
 def _headline(metrics: FormationMetrics) -> str:
     outcome = "achieved" if metrics.achieved else "not achieved"
-    parts = [f"{metrics.scenario}, seed {metrics.seed}: {outcome}", f"{metrics.robots} robots"]
+    parts = [f"{metrics.scenario}, {metrics.method}, seed {metrics.seed}: {outcome}", f"{metrics.robots} robots"]
     if metrics.settling_time_s is not None:
         parts.append(f"settled after {metrics.settling_time_s:.1f} s")
     parts.append(f"total displacement {metrics.total_displacement_m:.0f} m")
@@ -141,14 +143,15 @@ def _headline(metrics: FormationMetrics) -> str:
     return "  |  ".join(parts)
 
 
-def _legend(types: tuple[RobotType, ...], metrics: FormationMetrics) -> list[Line2D | Patch]:
+def _legend(types: tuple[RobotType, ...], metrics: FormationMetrics, plan: Plan | None) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = []
     for number, color in _color_of(types).items():
         label = f"type {number} (r = {_radius(types, number):g} m)"
         handles.append(Line2D([], [], color=color, marker="o", linewidth=0.8, markersize=7, label=label))
+    handles.append(Line2D([], [], color="black", marker=".", linestyle="", markersize=4, label="start"))
+    if plan is None or plan.task.has_goals:
+        handles.append(Line2D([], [], color="black", marker="+", linestyle="", markersize=6, label="goal"))
     handles += [
-        Line2D([], [], color="black", marker=".", linestyle="", markersize=4, label="start"),
-        Line2D([], [], color="black", marker="+", linestyle="", markersize=6, label="goal"),
         Patch(facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, label="shape"),
         Patch(facecolor=WALL_FILL, edgecolor=WALL_EDGE, hatch="////", label="obstacle"),
     ]

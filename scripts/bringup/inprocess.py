@@ -27,6 +27,7 @@ class InProcessEngine:
         self._simulation: Simulation | None = None
         self._mission: MissionActor | None = None
         self._agents: dict[NodeId, AgentActor] = {}
+        self._dead: frozenset[NodeId] = frozenset()  # who has died as the scenario says
         self.startup_s = 0.0
 
     def __enter__(self) -> InProcessEngine:
@@ -65,19 +66,21 @@ class InProcessEngine:
     def _tick(self, simulation: Simulation, mission: MissionActor) -> TickRecord:
         """Let everybody answer one tick, then let the world move on."""
         seen = simulation.observe()
-        deaths = tuple(map(death_line, simulation.take_died()))
-        orders = mission.step(seen.mission)
+        died = simulation.take_died()
+        self._dead |= frozenset(died)
+        orders = None if MISSION in self._dead else mission.step(seen.mission)
         outputs = {robot: self._agents[robot].step(inputs) for robot, inputs in sorted(seen.agents.items())}
         simulation.apply(
             {robot: output.command for robot, output in outputs.items()},
-            {**{robot: output.outbox for robot, output in outputs.items()}, MISSION: orders.outbox},
+            {robot: output.outbox for robot, output in outputs.items()} | ({MISSION: orders.outbox} if orders else {}),
         )
+        notice = orders.report.notice if orders is not None else ""
         return TickRecord(
             tick=seen.tick,
             truth=simulation.advance(),
             reports={robot: output.report for robot, output in outputs.items()},
-            mission=orders.report,
-            plan=orders.plan,
-            alerts=(*deaths, orders.report.notice) if orders.report.notice else deaths,
-            lost=frozenset(self._actors.robots) - frozenset(seen.agents),
+            mission=orders.report if orders is not None else None,
+            plan=orders.plan if orders is not None else None,
+            alerts=(*map(death_line, died), *([notice] if notice else [])),
+            lost=frozenset(self._actors.robots) - frozenset(seen.agents) | self._dead,
         )

@@ -35,6 +35,7 @@ class Progress:
         self._began: float | None = None
         self._shown = -PLAIN_S
         self._alerts: list[str] = []
+        self._place = "at their goals"
 
     def __enter__(self) -> Progress:
         """Begin the live line."""
@@ -64,11 +65,13 @@ class Progress:
         end : float
             Simulated time at the end of the tick [s].
         at_goal : int
-            Robots at their goals.
+            Robots at their goals; where there are none, inside the shape.
         """
         now = time.monotonic()
         if self._began is None:
             self._began = now
+        if record.plan is not None:
+            self._place = "at their goals" if record.plan.task.has_goals else "inside the shape"
         for alert in record.alerts:
             self._alert(alert, record.truth.time)
         interval = REFRESH_S if self._live is not None else PLAIN_S
@@ -88,7 +91,7 @@ class Progress:
 
     def _line(self, end: float, wall: float, at_goal: int, lost: int) -> Text:
         factor = f"{end / wall:5.1f} x real time" if wall > REFRESH_S else "   -  x real time"
-        line = Text(f"{end:7.1f} s  {factor}  {at_goal:3d} of {self._robots} robots at their goals")
+        line = Text(f"{end:7.1f} s  {factor}  {at_goal:3d} of {self._robots} robots {self._place}")
         if self._alerts:
             line.append(f"  {len(self._alerts)} alerts, {lost} lost", style="red")
         return line

@@ -19,10 +19,10 @@ from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ConfigError, ShapeError
 from swarm_msgs_py.frames import HELLO_SIZE, ROUTE_ROW
-from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.networking.config import NetworkConfig, NetworkModel
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.config import Backend
+from swarm_sim.config import Backend, RadioModel
 from swarm_sim.radio.medium import longest_delay
 from swarm_sim.simulation import Simulation
 
@@ -62,8 +62,23 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         # The world checks how its settings fit together when it is made; the light back end is made in no time.
         light = replace(scenario.sim, physics=replace(scenario.sim.physics, backend=Backend.MASSDAMPER))
         Simulation(light, scene, scenario.seed).close()
-    points = tuple((float(x), float(y)) for x, y in contour)
-    return replace(scenario, shape=ShapeSpec(name=_shape_name(scenario.shape), points=points))
+    return _with_contour(scenario, contour)
+
+
+def written_out(scenario: Scenario, origin: Origin) -> Scenario:
+    """Return the scenario with shape and map written out, so that it depends on no file or library any more.
+
+    Nothing else is checked: `resolve` does that, and takes the result as well.
+
+    Raises
+    ------
+    ConfigError
+        One line that names the file or option, the key and the remedy.
+    """
+    with _blamed(origin, "map"):
+        scenario = replace(scenario, map=_resolved_map(scenario.map))
+    with _blamed(origin, "shape"):
+        return _with_contour(scenario, _contour(scenario.shape))
 
 
 def contour_of(scenario: Scenario) -> FloatArray:
@@ -72,8 +87,9 @@ def contour_of(scenario: Scenario) -> FloatArray:
 
 
 def network_of(scenario: Scenario) -> NetworkConfig:
-    """Return the settings of every radio's network: it must bear the latest hello that the scenario's radio delivers.
+    """Return the settings of every radio's network: of the model that fits the scenario's radio, and patient enough.
 
+    It must bear the latest hello that the radio delivers.
     Else a node that starts again could speak while others still route over what it said before (see
     `swarm_msgs_py.networking.dsdv`).
 
@@ -83,6 +99,8 @@ def network_of(scenario: Scenario) -> NetworkConfig:
         If hellos can be later than any network is allowed to bear.
     """
     network, period_s = scenario.agent.network, scenario.sim.period_s
+    if scenario.sim.radio.model is RadioModel.IDEAL:
+        network = replace(network, model=NetworkModel.IDEAL)
     rows = min(network.rows_per_hello, scenario.robots.count + 1)
     hello = HELLO_SIZE + rows * ROUTE_ROW.itemsize
     delay_s = longest_delay(scenario.sim.radio, period_s, hello) * period_s
@@ -111,6 +129,11 @@ def _contour(spec: ShapeSpec) -> FloatArray:
     return load_shape(
         source, scale=spec.scale, rotation=math.radians(spec.rotation_deg), translation=spec.translation_m
     )
+
+
+def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
+    points = tuple((float(x), float(y)) for x, y in contour)
+    return replace(scenario, shape=ShapeSpec(name=_shape_name(scenario.shape), points=points))
 
 
 def _shape_name(spec: ShapeSpec) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -65,7 +65,9 @@ class FormationMetrics:
 
     ``total_displacement_m`` counts every robot. ``displacement_lower_bound_m`` is what the robots that live at the end
     needed at least to reach goals of the last plan from their start points; ``displacement_ratio`` divides the
-    displacement of the same robots by it. After a change of the shape, bound, ratio and ``bottleneck_time_s`` are None.
+    displacement of the same robots by it. Where the plan has no goals, the places where they ended stand for them, and
+    ``goals_reached`` counts robots inside the shape. After a change of the shape, bound, ratio and
+    ``bottleneck_time_s`` are None.
     """
 
     scenario: str
@@ -224,6 +226,8 @@ def _bound(scenario: Scenario, trace: Trace, plan: Plan | None, live: np.ndarray
     if plan is None or not len(trace.positions) or not live.any():
         return None, None
     types = np.array([kind.type for kind in robot_types(scenario)], dtype=np.int64)
+    if not plan.task.has_goals:
+        plan = replace(plan, goals=trace.positions[-1, live], goal_types=types[live])
     costs = path_costs(scenario, trace.positions[0], plan)
     bound = displacement_bound(costs[live], types[live], plan.goal_types)
     return (bound.total, bound.longest) if bound else (None, None)

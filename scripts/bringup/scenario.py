@@ -13,7 +13,7 @@ from swarm_agent.config import AgentConfig
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.robots import RobotType
-from swarm_msgs_py.types import NodeId
+from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.config import SimConfig
 
 
@@ -146,12 +146,39 @@ class RobotsSpec(Config):
         return sum(group.count for group in self.types)
 
 
+class Stoppable(Enum):
+    """What a scenario can switch off besides robots."""
+
+    MISSION_COMPUTER = "mission_computer"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EventSpec(Config):
     """Something that befalls the swarm during a run."""
 
     at_s: float = setting(help="when: from the first tick that begins then or later", unit="s", minimum=0.0)
-    kill: tuple[int, ...] = setting(help="robots whose electronics die; their bodies stay where they are", minimum=0)
+    kill: tuple[int, ...] = setting((), "robots whose electronics die; their bodies stay where they are", minimum=0)
+    stop: Stoppable | None = setting(
+        None, "mission_computer: it is switched off, and its radio falls silent; the swarm goes on by itself"
+    )
+
+    def __post_init__(self) -> None:
+        """Check that something happens.
+
+        Raises
+        ------
+        ConfigError
+            If nothing does.
+        """
+        Config.__post_init__(self)
+        if not self.kill and self.stop is None:
+            raise ConfigError("an event without effect; give kill: [robots], or stop: mission_computer")
+
+    @property
+    def nodes(self) -> tuple[NodeId, ...]:
+        """Whose electronics it ends."""
+        robots = tuple(map(NodeId, self.kill))
+        return robots if self.stop is None else (*robots, MISSION)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,11 +210,16 @@ class Scenario(Config):
     shape: ShapeSpec = setting(help="the contour to form")
     map: MapSpec = setting(help="the arena")
     robots: RobotsSpec = setting(help="the swarm")
-    events: tuple[EventSpec, ...] = setting((), "what befalls the swarm, e.g. [{at_s: 30.0, kill: [3, 7]}]")
+    events: tuple[EventSpec, ...] = setting(
+        (), "what befalls the swarm, e.g. [{at_s: 30.0, kill: [3, 7]}, {at_s: 40.0, stop: mission_computer}]"
+    )
     success: SuccessSpec = section(SuccessSpec, "when the mission is achieved")
     sim: SimConfig = section(SimConfig, "the world")
     agent: AgentConfig = section(AgentConfig, "every robot's software")
-    mission: MissionConfig = section(MissionConfig, "the mission computer; mission.partition.method is the method")
+    mission: MissionConfig = section(
+        MissionConfig,
+        "the mission computer; mission.partition.method, or mission.task if it is of forces, is the method",
+    )
 
     def __post_init__(self) -> None:
         """Check that the name can be a part of a folder's name."""
@@ -198,16 +230,13 @@ class Scenario(Config):
     @property
     def method(self) -> str:
         """Method by which the family does its work, as metrics and the command line name it."""
-        return self.mission.partition.method.value
+        task = self.mission.asked
+        return self.mission.partition.method.value if task.has_goals else task.value
 
     @property
     def deaths(self) -> dict[NodeId, int]:
-        """The tick from which on a robot is dead, for the robots that the events kill."""
-        return {
-            NodeId(robot): math.ceil(event.at_s / self.sim.period_s - 1e-9)
-            for event in self.events
-            for robot in event.kill
-        }
+        """The tick from which on a node is dead, for the robots (and `MISSION`) that the events end."""
+        return {node: math.ceil(event.at_s / self.sim.period_s - 1e-9) for event in self.events for node in event.nodes}
 
 
 def rescaled_counts(counts: tuple[int, ...], total: int) -> tuple[int, ...]:

@@ -16,12 +16,15 @@ from mission_computer.shape import library_names
 from mission_computer.shape.library import suggestion
 from swarm_msgs_py.config import at, dump_config, full_key, load_config, with_setting
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.messages.bodies import Task
 from swarm_msgs_py.robots import THESIS_TYPES
 
 SCENARIOS = Path(__file__).resolve().parent.parent / "scenarios"
 COMMAND_LINE = "command line"
 ROBOT_COUNT = "robots.count"
 """Key of an override that rescales the mix of types to this many robots; no key of a file."""
+FORCE_TASKS = tuple(task.value for task in Task if not task.has_goals)
+"""Methods that are no partition of the shape."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +134,17 @@ def shape_override(source: str) -> Override:
     return Override(
         f"--shape {source}", "shape", {"file": str(Path(source).absolute())} if is_file else {"name": source}
     )
+
+
+def method_overrides(name: str) -> tuple[Override, ...]:
+    """Return the overrides of ``--method``: how shapes are partitioned, or that forces do it.
+
+    With a partition method, who computes the goals is what suits it, unless a later override says otherwise.
+    """
+    flag = f"--method {name}"
+    if name in FORCE_TASKS:
+        return (Override(flag, "mission.task", name),)
+    return Override(flag, "mission.partition.method", name), Override(flag, "mission.task", None)
 
 
 def map_override(source: str) -> Override:

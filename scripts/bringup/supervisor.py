@@ -53,7 +53,8 @@ class Supervisor:
     goals : dict of NodeId to int
         Goal that each robot last reported, -1 for none.
     at_goal : int
-        Live robots within tolerance of their goal at the end of the last tick.
+        Live robots within tolerance of their goal at the end of the last tick; of a plan without goals, those inside
+        the shape.
     has_changed_shape : bool
         Whether a plan was replaced by one for another contour; new goals in the same contour, after losses, are none.
     """
@@ -125,7 +126,7 @@ class Supervisor:
         """Update who is at the goal, and since when everybody has been at rest inside the contour."""
         samples, speeds = record.truth.samples[:, rows], record.truth.sample_velocities[:, rows]
         self._distances = self._goal_distances(record, rows)
-        self.at_goal = sum(d <= self._success.goal_tolerance_m for d in self._distances.values())
+        self.at_goal = sum(map(self._is_there, self._distances.values()))
         if self._contour is None:
             return
         settled = settled_samples(samples, speeds, self._contour, self._success.speed_max_m_s)
@@ -137,7 +138,17 @@ class Supervisor:
             self._settled_since = record.truth.time + self._period * (first + 1) / len(settled)
 
     def _goal_distances(self, record: TickRecord, rows: np.ndarray) -> dict[NodeId, float]:
-        """Return the distance of each live robot from its goal at the end of the tick [m], inf without a goal."""
+        """Return the distance of each live robot from its goal at the end of the tick [m], inf without a goal.
+
+        In a plan without goals, the shape is the goal of everybody who has heard of it.
+        """
+        if self.plan is not None and self._contour is not None and not self.plan.task.has_goals:
+            gaps = shapely.distance(self._contour, shapely.points(record.truth.samples[-1, rows]))
+            robots = [self._robots[row] for row in rows]
+            return {
+                robot: float(gap) if self._has_heard(robot, self.plan) else float("inf")
+                for robot, gap in zip(robots, gaps, strict=True)
+            }
         count = 0 if self.plan is None else len(self.plan.goals)
         distances = {}
         for row in rows:
@@ -149,10 +160,24 @@ class Supervisor:
                 distances[robot] = float(np.hypot(*offset))
         return distances
 
+    def _has_heard(self, robot: NodeId, plan: Plan) -> bool:
+        """Return whether a robot has reported to hold a plan, or a later one."""
+        report = self._reports.get(robot)
+        return report is not None and report.epoch >= plan.epoch
+
+    def _is_there(self, distance: float) -> bool:
+        """Return whether a robot this far from its goal [m] has reached it; a shape is reached when it is inside."""
+        return distance <= (self._success.goal_tolerance_m if self._has_goals else 0.0)
+
+    @property
+    def _has_goals(self) -> bool:
+        return self.plan is None or self.plan.task.has_goals
+
     def _tally(self) -> str:
         lost = len(self._lost - {MISSION})
         dead = f", {lost} lost" if lost else ""
-        return f"{self.at_goal} of {len(self._robots) - lost} robots at their goals{dead}"
+        place = "at their goals" if self._has_goals else "inside the shape"
+        return f"{self.at_goal} of {len(self._robots) - lost} robots {place}{dead}"
 
     def _count(self, holds: Callable[[AgentReport], bool]) -> int:
         """Return of how many live robots the last report `holds`."""
@@ -171,10 +196,10 @@ class Supervisor:
         epoch = self.plan.epoch
         deaf = self._count(lambda report: report.epoch < epoch)
         if deaf:
-            why = "the mission computer is dead" if MISSION in self._lost else "out of radio range, or frames lost"
+            why = "the mission computer is off" if MISSION in self._lost else "out of radio range, or frames lost"
             return f"; {deaf} never heard the plan ({why})"
         far = sorted(
-            ((-d, robot) for robot, d in self._distances.items() if d > self._success.goal_tolerance_m),
+            ((-d, robot) for robot, d in self._distances.items() if not self._is_there(d)),
         )
         if not far:
             return "; not at rest inside the shape"

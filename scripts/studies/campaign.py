@@ -46,8 +46,8 @@ class ResultFile:
         self._version = version
         self.records: dict[str, Record] = {}
         """Results by key of run, the last one of each; a line that a crash cut off counts as none."""
-        self.outdated: set[str] = set()
-        """Keys of the results that other code made."""
+        self.versions: dict[str, str] = {}
+        """Version of the code that made each result."""
         try:
             text = path.read_text(encoding="utf-8") if path is not None and path.exists() else ""
         except (OSError, UnicodeDecodeError) as error:
@@ -56,10 +56,15 @@ class ResultFile:
         for line in text.splitlines():
             try:
                 entry = json.loads(line)
-                key, code, result = str(entry["run"]), entry["code"], dict(entry["result"])
+                key, code, result = str(entry["run"]), str(entry["code"]), dict(entry["result"])
             except (ValueError, KeyError, TypeError):
                 continue
             self._keep(key, code, result)
+
+    @property
+    def outdated(self) -> set[str]:
+        """Keys of the results that other code made."""
+        return {key for key, version in self.versions.items() if version != self._version}
 
     def append(self, key: str, record: Record) -> None:
         """Add a result and write it through."""
@@ -73,17 +78,15 @@ class ResultFile:
 
     def warning(self, runs: Iterable[str]) -> str:
         """Return what to say of those of the named runs whose results other code made; nothing if there are none."""
-        count = sum(run in self.outdated for run in runs)
+        outdated = self.outdated
+        count = sum(run in outdated for run in runs)
         if not count:
             return ""
         return f"warning: {count} of the results in {self.path} were made by other code; remove the file to start anew"
 
     def _keep(self, key: str, version: str, record: Record) -> None:
         self.records[key] = record
-        if version == self._version:
-            self.outdated.discard(key)
-        else:
-            self.outdated.add(key)
+        self.versions[key] = version
 
 
 def completed(runs: Sequence[RunT], perform: Callable[[RunT], ResultT], workers: int) -> Iterator[tuple[RunT, ResultT]]:

@@ -6,38 +6,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from bringup.compose import ScenarioActors
-from bringup.inprocess import InProcessEngine
 from bringup.layout import sensor_carriers
 from bringup.resolution import resolve
-from bringup.results import WARM_UP_S, Outcome, Timing, formation_metrics
+from bringup.results import WARM_UP_S, formation_metrics
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario
-from bringup.supervisor import Supervisor, Verdict
+from studies.headless_mission import ENGINE, run_to_verdict
 from studies.lps_cells import Cell, Trial
 from studies.lps_formation import SCENARIO, overrides_of
 from studies.lps_scores import Scores, score
-from swarm_sim.metrics.trace import Trace, TraceRecorder
+from swarm_sim.metrics.trace import Trace
 
 
 def run_mission(cell: Cell, seed: int, trial: Trial) -> Scores:
     """Return the scores of one cell and seed: the mission runs until it is achieved, or its time is over."""
     scenario = resolve(*load_scenario(SCENARIO, overrides_of(cell, seed, trial.robots)))
-    actors = ScenarioActors(scenario)
-    recorder = TraceRecorder(actors.robots, scenario.sim.period_s)
-    supervisor = Supervisor(actors.robots, scenario.success, scenario.sim.period_s, scenario.duration_s)
-    verdict: Verdict | None = None
-    with InProcessEngine(actors) as engine:
-        ticks = engine.ticks()
-        while verdict is None:
-            record = next(ticks)
-            recorder.record(record.truth, record.reports)
-            verdict = supervisor.watch(record)
+    outcome = run_to_verdict(scenario)
     # No wall time gets into the scores: equal seeds give equal numbers.
-    metrics = formation_metrics(scenario, "inprocess", Outcome(recorder, supervisor, verdict, Timing(0.0, 0.0)))
+    metrics = formation_metrics(scenario, ENGINE, outcome)
     settled, bottleneck = metrics.settling_time_s, metrics.bottleneck_time_s
     return replace(
-        _localization(scenario, recorder.trace()),
+        _localization(scenario, outcome.recorder.trace()),
         achieved=metrics.achieved,
         collisions=metrics.collisions,
         displacement_ratio=metrics.displacement_ratio,

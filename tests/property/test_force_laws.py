@@ -64,10 +64,10 @@ def test_the_forces_of_the_own_variant_move_with_the_scene(seed: int, shift: Flo
     contour, (places, radii) = star(seed), swarm(seed)
     config, moved = ForceConfig(), places + shift
 
-    forces = law_for(config, contour, (BLOCK,), PlanningConfig()).evaluate(
+    forces = law_for(ForceLawName.SHARING, config, contour, (BLOCK,), PlanningConfig()).evaluate(
         places, radii, Others.each_other(places, radii)
     )
-    others = law_for(config, contour + shift, (BLOCK + shift,), PlanningConfig()).evaluate(
+    others = law_for(ForceLawName.SHARING, config, contour + shift, (BLOCK + shift,), PlanningConfig()).evaluate(
         moved, radii, Others.each_other(moved, radii)
     )
 
@@ -90,8 +90,7 @@ def test_robots_that_hear_each_other_push_with_equal_and_opposite_forces(seed: i
 @given(seeds)
 def test_many_robots_at_once_feel_what_each_feels_alone(seed: int) -> None:
     places, radii = swarm(seed)
-    config = ForceConfig(law=ForceLawName.LITERAL)
-    for law in (law_for(config, star(seed), (BLOCK,), PlanningConfig()) for config in (config, ForceConfig())):
+    for law in (law_for(name, ForceConfig(), star(seed), (BLOCK,), PlanningConfig()) for name in ForceLawName):
         together = law.evaluate(places, radii, Others.each_other(places, radii))
         for row in range(len(places)):
             heard = np.arange(len(places))[None] != row
@@ -119,8 +118,8 @@ def test_velocities_stay_within_the_limit_and_are_finite(seed: int, name: ForceL
     places, radii = swarm(seed)
     places[1] = places[0]  # two robots in one place
     places[2] = star(seed)[0]  # one on a corner of the shape
-    config = ForceConfig(law=name)
-    law = law_for(config, star(seed), (BLOCK,), PlanningConfig())
+    config = ForceConfig()
+    law = law_for(name, config, star(seed), (BLOCK,), PlanningConfig())
 
     velocities = ForceDrive(config, period, len(places)).step(
         law, places, radii, Others.each_other(places, radii), np.zeros_like(places)
@@ -133,18 +132,17 @@ def test_velocities_stay_within_the_limit_and_are_finite(seed: int, name: ForceL
 def test_equal_inputs_give_equal_bytes() -> None:
     places, radii = swarm(4)
     for name in ForceLawName:
-        config = ForceConfig(law=name)
         results = []
         for _ in range(2):
             law_for.__globals__["_law"].cache_clear()
-            law = law_for(config, star(4), (BLOCK,), PlanningConfig())
+            law = law_for(name, ForceConfig(), star(4), (BLOCK,), PlanningConfig())
             results.append(law.evaluate(places, radii, Others.each_other(places, radii)).tobytes())
         assert results[0] == results[1]
 
 
 @pytest.mark.parametrize("name", list(ForceLawName))
 def test_forces_are_defined_without_others_and_without_obstacles(name: ForceLawName) -> None:
-    law = law_for(ForceConfig(law=name), star(1), (), PlanningConfig())
+    law = law_for(name, ForceConfig(), star(1), (), PlanningConfig())
     nobody = Others(np.empty((0, 2)), np.empty(0), np.ones((1, 0), dtype=np.bool_))
 
     assert np.isfinite(law.evaluate(np.array([[20.0, 1.0]]), np.array([0.3]), nobody)).all()

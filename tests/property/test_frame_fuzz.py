@@ -13,8 +13,10 @@ from numpy.testing import assert_array_equal
 
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_body, decode_frame, encode_body, encode_frame, pack_batch, unpack_batch
-from swarm_msgs_py.messages.bodies import CostRow, Objective, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import CostRow, Objective, Plan, Report, RowBundle, RowRequest, Task
 from swarm_msgs_py.messages.radio import Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.partition import Method
+from swarm_msgs_py.roster import Roster, TypeGroup
 
 u8, u16, u32 = (st.integers(0, 2**bits - 1) for bits in (8, 16, 32))
 float32 = st.floats(-1e6, 1e6, width=32)
@@ -74,9 +76,31 @@ plans = st.integers(0, 5).flatmap(
         integers(255, n),
     )
 )
+groups = st.builds(
+    lambda number, count, radius: TypeGroup(type=number, count=count, coverage_radius_m=radius / 1000.0),
+    st.integers(1, 255),
+    st.integers(1, 250),
+    st.integers(1, 65535),
+)
+rosters = st.lists(groups, min_size=1, max_size=4, unique_by=lambda group: group.type).map(
+    lambda some: Roster(groups=tuple(some))
+)
+nowhere, nobody = st.just(np.empty((0, 2))), st.just(np.empty(0, dtype=np.int64))
+outlines = st.lists(points(), max_size=3).map(tuple)
+orders = st.one_of(
+    st.builds(
+        Plan, u32, points(), outlines, nowhere, nobody, st.just(0), st.just(Task.PARTITION), rosters,
+        st.sampled_from(Method), u32,
+    ),
+    st.builds(
+        Plan, u32, points(), outlines, nowhere, nobody, st.just(0), st.sampled_from([Task.FORCES, Task.FORCES_LITERAL]),
+        rosters,
+    ),
+)  # fmt: skip
 centimeters = st.integers(0, 0xFFFF).map(lambda steps: steps / 100.0)
 bodies = st.one_of(
     plans,
+    orders,
     rows,
     st.builds(RowRequest, u32, st.lists(st.tuples(u16, u16), max_size=5).map(tuple)),
     st.builds(RowBundle, st.lists(rows, max_size=3).map(tuple)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from builders import make_agent, make_agent_inputs, make_plan, make_presence
@@ -15,12 +16,13 @@ from mission_computer.mission import Mission
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import encode_frame
-from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest
+from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest, Task
 from swarm_msgs_py.messages.control import STOP
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Hello, Packet, Presence, RouteRows
 from swarm_msgs_py.messages.report import Mode
-from swarm_msgs_py.messages.sensing import RangeScan
+from swarm_msgs_py.messages.sensing import PositionFix, RangeScan
 from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.partition import Method
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs
@@ -54,8 +56,24 @@ plans = st.integers(0, 3).flatmap(
         arrays(np.int64, n, elements=types),
     )
 )
+kinds = st.lists(st.sampled_from(THESIS_TYPES), min_size=1, max_size=5)
+contours = st.one_of(points(5), st.sampled_from([SQUARE, SQUARE[::-1], SQUARE[[0, 2, 1, 3]], SQUARE * 0.01]))
+orders = st.builds(
+    lambda epoch, contour, obstacles, bodies, task, kinds, method: Plan(
+        *(epoch, contour, obstacles, np.empty((0, 2)), np.empty(0, dtype=np.int64), min(bodies, len(obstacles)), task),
+        *(Roster.of(kinds), method if task is Task.PARTITION else None),
+    ),
+    epochs,
+    contours,
+    st.lists(points(4), max_size=2).map(tuple),
+    st.integers(0, 2),
+    st.sampled_from([task for task in Task if task is not Task.GOALS]),
+    kinds,
+    st.sampled_from(Method),
+)
 records = st.one_of(
     plans,
+    orders,
     rows,
     st.lists(rows, max_size=3).map(lambda some: RowBundle(tuple(some))),
     st.builds(RowRequest, epochs, st.lists(st.tuples(ids, versions), max_size=3).map(tuple)),
@@ -114,6 +132,23 @@ def test_a_robot_survives_any_record_and_takes_the_next_plan(said: list[tuple[Pr
     assert agent.step(make_agent_inputs(len(inboxes), inbox=stranger.frames(calm, [real]))).report.epoch == epoch + 1
 
 
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(order=orders, x=st.floats(-12.0, 12.0))
+def test_a_robot_survives_any_shape_that_it_is_to_partition_or_to_be_driven_into(order: Plan, x: float) -> None:
+    agent, stranger = make_agent(1), Stranger()
+    fix = PositionFix(np.array([x, 1.0]), 0.02)
+    for tick in range(4):
+        said = [replace(order, epoch=2)] if tick == 0 else []
+        inputs = make_agent_inputs(tick, fix=fix, inbox=stranger.frames(make_presence(tick=tick), said))
+        outputs = agent.step(inputs)
+        command = outputs.command
+        assert np.isfinite([command.forward, command.left, command.yaw_rate]).all()
+        assert np.hypot(command.forward, command.left) <= 0.5 + 1e-9
+
+    real = make_plan(SQUARE, epoch=3)
+    assert agent.step(make_agent_inputs(4, fix=fix, inbox=stranger.frames(make_presence(), [real]))).report.epoch == 3
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(said=utterances)
 def test_a_mission_computer_survives_any_record_and_its_next_plan_is_one_that_robots_take(
@@ -164,7 +199,7 @@ def test_a_robot_survives_rows_of_more_robots_than_it_could_list() -> None:
     agent, stranger = make_agent(1), Stranger()
     nothing = np.empty(0, dtype=np.int64)
     for tick in range(12):
-        crowd = RowBundle(tuple(CostRow(1, NodeId(tick * 5000 + n), 1, 1, nothing) for n in range(5000)))
+        crowd = RowBundle(tuple(CostRow(1, NodeId(tick * 5000 + n), 1, 1, nothing) for n in range(4500)))
         said: list[Body] = [make_plan(SQUARE[:2])] if tick == 0 else [crowd] if tick < 5 else []
         other_rows = make_presence(tick=tick, epoch=1, digest=7)
         rows_held = agent.step(make_agent_inputs(tick, inbox=stranger.frames(other_rows, said))).report.rows

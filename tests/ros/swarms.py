@@ -10,6 +10,7 @@ from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
 from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
+from swarm_msgs_py.messages.bodies import Task
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
@@ -28,11 +29,12 @@ SMALL = THESIS_TYPES[0]
 class SmallSwarm:
     """`count` robots in a row, north of a square; implements `bringup.engine.Actors`.
 
-    `deaths` are pairs of a robot and the tick at which it dies.
+    `deaths` are pairs of a robot, or `MISSION`, and the tick at which it dies; `task` is what plans ask of the robots.
     """
 
     count: int
     deaths: tuple[tuple[NodeId, int], ...] = ()
+    task: Task = Task.GOALS
 
     @property
     def robots(self) -> tuple[NodeId, ...]:
@@ -48,7 +50,7 @@ class SmallSwarm:
 
     @property
     def mission_config(self) -> MissionConfig:
-        return MissionConfig()
+        return MissionConfig(task=self.task)
 
     def agent_config(self, robot: NodeId) -> AgentConfig:  # noqa: ARG002 - all alike
         return AgentConfig()

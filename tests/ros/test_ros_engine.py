@@ -17,6 +17,8 @@ from bringup.inprocess import InProcessEngine
 from bringup.ros_engine import RosEngine, default_agents_per_process
 from swarm_agent.agent import Agent
 from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_msgs_py.messages.bodies import Task
+from swarm_msgs_py.plan_goals import goals_crc
 from swarm_msgs_py.ros.environment import use_loopback
 from swarm_msgs_py.types import MISSION, NodeId
 
@@ -52,8 +54,9 @@ def test_twenty_ticks_in_processes_are_the_same_as_without_ros() -> None:
 
 
 @pytest.mark.usefixtures("nothing_left")
-def test_deaths_of_the_scenario_are_the_same_as_without_ros() -> None:
-    swarm = SmallSwarm(4, deaths=((NodeId(2), 0), (NodeId(1), 6)))
+@pytest.mark.parametrize("task", [Task.GOALS, Task.PARTITION, Task.FORCES])
+def test_deaths_of_the_scenario_are_the_same_as_without_ros_whatever_the_plan_asks(task: Task) -> None:
+    swarm = SmallSwarm(4, deaths=((NodeId(2), 0), (NodeId(1), 6), (MISSION, 8)), task=task)
     with RosEngine(swarm, agents_per_process=2) as engine:
         records = list(islice(engine.ticks(), 12))
     with InProcessEngine(swarm) as reference:
@@ -63,9 +66,18 @@ def test_deaths_of_the_scenario_are_the_same_as_without_ros() -> None:
         assert record.truth.samples.tobytes() == wanted.truth.samples.tobytes()
         assert record.truth.alive.tolist() == wanted.truth.alive.tolist()
         assert list(record.reports) == list(wanted.reports)
-        assert (record.alerts, record.lost) == (wanted.alerts, wanted.lost)
+        assert (record.alerts, record.lost, record.mission) == (wanted.alerts, wanted.lost, wanted.mission)
+        assert [its.goals_crc for its in record.reports.values()] == [its.goals_crc for its in wanted.reports.values()]
     assert records[6].alerts == ("r01 dies, as the scenario says",)
-    assert records[11].lost == {1, 2}
+    assert records[8].alerts == ("mission computer is switched off, as the scenario says",)
+    assert [record.mission is None for record in records] == [False] * 8 + [True] * 4
+    assert records[11].lost == {1, 2, MISSION}
+    plan = records[0].plan
+    assert plan is not None
+    assert plan.task is task
+    held = {report.goals_crc for report in records[11].reports.values()}  # in two processes
+    assert held == {goals_crc(plan.goals, plan.goal_types)}
+    assert (held == {0}) == (task is Task.FORCES)
 
 
 @pytest.mark.usefixtures("nothing_left")

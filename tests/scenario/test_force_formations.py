@@ -12,22 +12,22 @@ from swarm_agent.forces.registry import law_for
 from swarm_agent.planning.config import PlanningConfig
 from swarm_sim.metrics.mesh import mesh_quality
 
-LITERAL = ForceConfig(law=ForceLawName.LITERAL)
-SHARING = ForceConfig()
+CONFIG = ForceConfig()
+LITERAL, SHARING = ForceLawName.LITERAL, ForceLawName.SHARING
 
 
-def small(config: ForceConfig, shape: str, count: int = 12, **options: float) -> Outcome:
+def small(name: ForceLawName, shape: str, count: int = 12, config: ForceConfig = CONFIG, **options: float) -> Outcome:
     """Form a quarter-size shape with few robots, from nearby."""
     contour = load_shape(shape, scale=0.5)
     radii = field_radii()[:count]
-    law = law_for(config, contour, (), PlanningConfig())
+    law = law_for(name, config, contour, (), PlanningConfig())
     return form(law, config, contour, scattered(radii, (), 2, 15.0), radii, deadline=90.0, **options)
 
 
-@pytest.mark.parametrize("config", [LITERAL, SHARING], ids=["literal", "sharing"])
+@pytest.mark.parametrize("name", [LITERAL, SHARING])
 @pytest.mark.parametrize("shape", ["formation_3", "iso_1_circle"])
-def test_a_small_swarm_settles_inside_a_convex_shape(config: ForceConfig, shape: str) -> None:
-    outcome = small(config, shape)
+def test_a_small_swarm_settles_inside_a_convex_shape(name: ForceLawName, shape: str) -> None:
+    outcome = small(name, shape)
 
     assert outcome.inside == 1.0
     assert outcome.settled_after is not None
@@ -45,16 +45,16 @@ def test_a_small_swarm_settles_inside_a_bent_shape(shape: str) -> None:
 
 @pytest.mark.parametrize("period", [0.1, 1.0])
 def test_the_control_period_does_not_matter(period: float) -> None:
-    outcome = small(SHARING.at_period(period), "formation_3", period=period)
+    outcome = small(SHARING, "formation_3", config=CONFIG.at_period(period), period=period)
 
     assert outcome.settled_after is not None
 
 
 def test_fifty_robots_fill_a_shape_whose_boundary_center_is_outside() -> None:
     contour, radii, obstacles = load_shape("formation_2"), field_radii(), field_obstacles()
-    law = law_for(SHARING, contour, obstacles, PlanningConfig())
+    law = law_for(SHARING, CONFIG, contour, obstacles, PlanningConfig())
 
-    outcome = form(law, SHARING, contour, scattered(radii, obstacles, 1), radii, obstacles, deadline=200.0)
+    outcome = form(law, CONFIG, contour, scattered(radii, obstacles, 1), radii, obstacles, deadline=200.0)
 
     assert outcome.inside == 1.0
     assert outcome.settled_after is not None
@@ -72,9 +72,9 @@ def test_fifty_robots_fill_a_shape_whose_boundary_center_is_outside() -> None:
 
 def test_fifty_robots_under_the_literal_law_settle_in_a_convex_shape() -> None:
     contour, radii, obstacles = load_shape("formation_3"), field_radii(), field_obstacles()
-    law = law_for(LITERAL, contour, obstacles, PlanningConfig())
+    law = law_for(LITERAL, CONFIG, contour, obstacles, PlanningConfig())
 
-    outcome = form(law, LITERAL, contour, scattered(radii, obstacles, 1), radii, obstacles, deadline=220.0)
+    outcome = form(law, CONFIG, contour, scattered(radii, obstacles, 1), radii, obstacles, deadline=220.0)
 
     assert outcome.inside == 1.0
     assert outcome.settled_after is not None

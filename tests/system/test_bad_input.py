@@ -195,6 +195,18 @@ FILES = {
         changed(lambda d: d.update(events=[{"kill": [3]}])),
         r"bad\.yaml: events\[0\]\.at_s: missing; add it",
     ),
+    "event without an effect": (
+        changed(lambda d: d.update(events=[{"at_s": 1}])),
+        r"bad\.yaml: events\[0\]: an event without effect; give kill: \[robots\], or stop: mission_computer",
+    ),
+    "stop of what cannot be stopped": (
+        changed(lambda d: d.update(events=[{"at_s": 1, "stop": "mission"}])),
+        r"bad\.yaml: events\[0\]\.stop: .*mission_computer",
+    ),
+    "two stops": (
+        changed(lambda d: d.update(events=[{"at_s": n, "stop": "mission_computer"} for n in (1, 2)])),
+        r"bad\.yaml: events: events\[1\]\.stop: the mission computer is stopped twice; remove it here or there",
+    ),
     "settings that contradict each other": (
         changed(lambda d: d.update(agent={"control": {"park_m": 0.5, "unpark_m": 0.1}})),
         r"bad\.yaml: agent\.control: unpark_m must be > park_m",
@@ -211,7 +223,12 @@ OPTIONS = {
     "negative seed": (["--seed", "-1"], r"--seed: expected a whole number"),
     "unknown engine": (["--engine", "rso"], r"--engine: there is no 'rso'; did you mean 'ros'\?"),
     "unknown physics": (["--physics", "bulet"], r"--physics: there is no 'bulet'; did you mean 'bullet'\?"),
-    "unknown method": (["--method", "bubble"], r"--method bubble: mission\.partition\.method: .*bubble-packing"),
+    "unknown method": (["--method", "bubble"], r"--method: there is no 'bubble'; did you mean 'bubble-packing'\?"),
+    "unknown force law": (["--method", "force-literal"], r"--method: .*did you mean 'forces-literal'\?"),
+    "unknown task": (["--set", "mission.task=force"], r"--set mission\.task: .*did you mean 'forces'\?"),
+    "too narrow for the method": (
+        ["--method", "voronoi", "--set", "shape.scale=0.5"], r"too narrow for robots of type 1 .*scale it by at least",
+    ),
     "unknown scenario": (["--scenario", "formation-5"], r"--scenario formation-5: .*did you mean 'formation-50'\?"),
     "missing scenario file": (["--scenario", "gone.yaml"], r"gone\.yaml: no such file"),
     "folder as a scenario": (["--scenario", "./"], r"cannot be read \(Is a directory\)"),

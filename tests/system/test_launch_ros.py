@@ -17,6 +17,8 @@ from leftovers import children_of, orphaned, session_members, shared_memory, wai
 from run_folders import FILES, metrics_of
 from source_tree import ROOT
 
+from swarm_msgs_py.messages.report import Mode
+
 LAUNCHER = ROOT / "scripts" / "launch_swarm.py"
 RUN_S, STOP_S = 120.0, 3.0  # deadlines; only STOP_S is a promise
 DUE = {
@@ -96,13 +98,24 @@ def test_a_swarm_of_ros_nodes_forms_its_shape_and_leaves_nothing_but_its_results
     assert metrics["radio_frames"] > metrics["ticks"]
 
 
-def test_ros_and_in_process_runs_are_the_same_byte_for_byte(launch: Launch, tmp_path: Path) -> None:
-    scenario = ("--scenario", "demo", "--seed", "3", "--set", "duration_s=20")  # three types, four obstacles, PyBullet
+@pytest.mark.parametrize(
+    ("method", "event", "duration_s"),
+    [
+        ("bubble-packing", "{at_s: 18.0, kill: [5]}", 20),
+        ("voronoi", "{at_s: 2.0, stop: mission_computer}", 12),
+        ("forces", "{at_s: 2.0, stop: mission_computer}", 12),
+    ],
+)
+def test_ros_and_in_process_runs_are_the_same_byte_for_byte(
+    launch: Launch, tmp_path: Path, method: str, event: str, duration_s: int
+) -> None:
+    settings = ("--set", f"events=[{event}]", "--set", f"duration_s={duration_s}")
+    scenario = ("--scenario", "demo", "--seed", "3", "--method", method, *settings)  # three types, walls, PyBullet
     for engine in ("inprocess", "ros"):
         process = launch("--engine", engine, *scenario, "--out", engine)
         output, _ = process.communicate(timeout=RUN_S)
         assert process.returncode == 1, output  # the time is up before the shape is formed
-        assert "time limit of 20 s" in output
+        assert f"time limit of {duration_s} s" in output
 
     ours, theirs = (np.load(tmp_path / engine / "trajectories.npz") for engine in ("ros", "inprocess"))
     assert ours.files == theirs.files
@@ -111,6 +124,7 @@ def test_ros_and_in_process_runs_are_the_same_byte_for_byte(launch: Launch, tmp_
         assert ours[name].tobytes() == theirs[name].tobytes(), name
     positions = next(ours[name] for name in ours.files if "position" in name)
     assert np.ptp(positions, axis=0).max() > 1.0
+    assert ours["mode"][-1].max() >= Mode.TRAVELING
     told, wanted = (metrics_of(tmp_path / engine) for engine in ("ros", "inprocess"))
     timing = {"engine", "wall_time_s", "real_time_factor", "startup_s"}
     assert {k: v for k, v in told.items() if k not in timing} == {k: v for k, v in wanted.items() if k not in timing}

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from source_tree import ROOT
 
-from studies.lps_cli import CSV, FIGURE, RESULTS, TABLE, main
+from studies.campaign_folder import RESULTS
+from studies.lps_cli import CSV, FIGURE, TABLE, main
 
 STUDY = ROOT / "scripts" / "lps_study.py"
 SMALL = ["--agents", "14", "--duration", "12", "--warm-up", "6"]  # three beacons

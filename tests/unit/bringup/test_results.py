@@ -13,7 +13,7 @@ from bringup.results import WARM_UP_S, FormationMetrics, Outcome, Timing, format
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario, parse_assignment
 from bringup.supervisor import Supervisor
-from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.bodies import Plan, Task
 from swarm_msgs_py.messages.report import Positioning
 from swarm_msgs_py.types import NodeId
 from swarm_sim.metrics.trace import TraceRecorder
@@ -75,6 +75,23 @@ def test_after_a_change_of_shape_there_is_no_bound(smoke: Scenario) -> None:
     assert metrics.displacement_lower_bound_m is None
     assert metrics.displacement_ratio is None
     assert metrics.bottleneck_time_s is None
+
+
+def test_without_goals_the_places_where_robots_ended_stand_for_them(smoke: Scenario) -> None:
+    nowhere = replace(make_plan([]), task=Task.FORCES)
+    metrics = metrics_of(smoke, drive({0: nowhere}))
+
+    assert metrics.displacement_lower_bound_m == pytest.approx(16.0)
+    assert metrics.displacement_ratio == pytest.approx(1.0, rel=0.02)
+    assert metrics.goals_reached == 4  # robots inside
+
+
+def test_without_goals_only_who_lives_is_in_the_bound(smoke: Scenario) -> None:
+    metrics = metrics_of(smoke, drive({0: replace(make_plan([]), task=Task.FORCES)}, dies_at=40))
+
+    assert metrics.displacement_lower_bound_m == pytest.approx(12.0)
+    assert metrics.displacement_ratio == pytest.approx(1.0, rel=0.02)
+    assert metrics.goals_reached == 3
 
 
 # Errors of the two robots without position sensor, and of the two beacons.

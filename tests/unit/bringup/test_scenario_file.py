@@ -16,12 +16,15 @@ from bringup.scenario_file import (
     dump_scenario,
     load_scenario,
     map_override,
+    method_overrides,
     parse_assignment,
     scenario_names,
     shape_override,
 )
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.messages.bodies import Task
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.types import MISSION
 
 
 def loaded(source: str, *overrides: Override) -> Scenario:
@@ -164,3 +167,33 @@ def test_an_event_happens_at_the_first_tick_that_is_not_before_it(at_s: float, t
     scenario = loaded("demo", parse_assignment(f"events=[{{at_s: {at_s}, kill: [3, 7]}}]"))
 
     assert scenario.deaths == {3: tick, 7: tick}
+
+
+def test_the_mission_computer_can_be_switched_off() -> None:
+    scenario = loaded("demo", parse_assignment("events=[{at_s: 1, kill: [3]}, {at_s: 2, stop: mission_computer}]"))
+
+    assert scenario.deaths == {3: 2, MISSION: 4}
+
+
+@pytest.mark.parametrize(
+    ("method", "task"),
+    [
+        ("bubble-packing", Task.GOALS),
+        ("fractals", Task.GOALS),
+        ("voronoi", Task.PARTITION),
+        ("forces", Task.FORCES),
+        ("forces-literal", Task.FORCES_LITERAL),
+    ],
+)
+def test_the_method_decides_what_is_asked_of_the_robots(method: str, task: Task) -> None:
+    scenario = loaded("demo", parse_assignment("mission.task=forces"), *method_overrides(method))
+
+    assert (scenario.method, scenario.mission.asked) == (method, task)
+
+
+def test_who_partitions_can_be_chosen_after_the_method() -> None:
+    told = loaded("demo", *method_overrides("voronoi"), parse_assignment("mission.task=goals"))
+    alone = loaded("demo", *method_overrides("fractals"), parse_assignment("mission.task=partition"))
+
+    assert (told.method, told.mission.asked) == ("voronoi", Task.GOALS)
+    assert (alone.method, alone.mission.asked) == ("fractals", Task.PARTITION)

@@ -9,6 +9,7 @@ from tick_builders import PERIOD, make_plan, make_tick
 from bringup.engine import TickRecord
 from bringup.scenario import SuccessSpec
 from bringup.supervisor import Supervisor, Verdict
+from swarm_msgs_py.messages.bodies import Task
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import MISSION, NodeId
 
@@ -203,7 +204,7 @@ def test_the_time_limit_says_who_has_no_position() -> None:
 
 
 @pytest.mark.parametrize(
-    ("lost", "why"), [(frozenset(), "out of radio range"), (frozenset({MISSION}), "the mission computer is dead")]
+    ("lost", "why"), [(frozenset(), "out of radio range"), (frozenset({MISSION}), "the mission computer is off")]
 )
 def test_robots_that_wait_for_the_plan_are_not_called_blind(lost: frozenset[NodeId], why: str) -> None:
     ticks = [make_tick(0, AT_GOALS, plan=PLAN), *resting(9, [[0, 0], [2, 4]], lost=lost)]
@@ -228,3 +229,53 @@ def test_only_another_contour_is_a_change_of_shape() -> None:
     supervisor.watch(make_tick(2, AT_GOALS, plan=make_plan([[2.0, 0.0]], contour=((0, 0), (4, 0), (4, 4)))))
 
     assert (same_shape, supervisor.has_changed_shape) == (False, True)
+
+
+def in_contour(points: list[list[float]], ticks: int = 30, **changes: object) -> list[TickRecord]:
+    """Return ticks of a plan without goals, in which the robots stand at their points."""
+    plan = replace(make_plan([]), task=Task.FORCES)
+    return [make_tick(0, points, [-1, -1], plan=plan), *resting(ticks, points, goals=[-1, -1], **changes)]
+
+
+def test_without_goals_rest_inside_the_shape_is_success() -> None:
+    supervisor = make_supervisor()
+    found = first_verdict(supervisor, in_contour([[4.9, 0.0], [-3.0, 4.0]]))
+
+    assert found is not None
+    assert found[0] == HOLD_TICKS
+    assert found[1].reason == "shape formed: 2 of 2 robots inside the shape, at rest since 0.1 s"
+    assert supervisor.at_goal == 2
+
+
+def test_without_goals_whoever_moves_or_stands_outside_has_not_succeeded() -> None:
+    moving, outside = make_supervisor(2.0), make_supervisor(2.0)
+
+    moved = first_verdict(moving, in_contour([[0.0, 0.0], [1.0, 0.0]], speed=0.02))
+    strayed = first_verdict(outside, in_contour([[0.0, 0.0], [6.5, 0.0]]))
+
+    assert moved is not None
+    assert moved[1].reason == "time limit of 2 s: 2 of 2 robots inside the shape; not at rest inside the shape"
+    assert strayed is not None
+    assert strayed[1].reason == "time limit of 2 s: 1 of 2 robots inside the shape; r01 1.5 m away"
+
+
+def test_a_tolerance_for_goals_is_none_for_the_contour() -> None:
+    supervisor = make_supervisor()
+
+    assert first_verdict(supervisor, in_contour([[0.0, 0.0], [5.1, 0.0]])) is None
+    assert supervisor.at_goal == 1
+
+
+def test_without_goals_whoever_has_not_heard_the_plan_is_not_there() -> None:
+    supervisor = make_supervisor(10.0)
+    second = replace(make_plan([]), task=Task.FORCES, epoch=2)
+    records = [
+        make_tick(0, AT_GOALS, [-1, -1], plan=second),
+        *resting(30, AT_GOALS, goals=[-1, -1]),
+    ]  # they hold plan 1
+
+    found = first_verdict(supervisor, records)
+
+    assert found is not None
+    assert not found[1].achieved
+    assert "0 of 2 robots inside the shape; 2 never heard the plan" in found[1].reason

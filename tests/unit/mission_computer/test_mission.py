@@ -8,7 +8,7 @@ from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
 from mission_computer.shape import load_shape
 from swarm_msgs_py.body_codec import decode_body, encode_body
-from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest
+from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, Task
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -73,8 +73,8 @@ class Air:
         return [self.step() for _ in range(ticks)][-1]
 
 
-def make_mission(shape: FloatArray = SQUARE) -> Mission:
-    return Mission(MissionConfig(), NetworkConfig(), ROSTER, (WALL,), shape, PERIOD, BOUNDS)
+def make_mission(shape: FloatArray = SQUARE, task: Task = Task.GOALS) -> Mission:
+    return Mission(MissionConfig(task=task), NetworkConfig(), ROSTER, (WALL,), shape, PERIOD, BOUNDS)
 
 
 def test_the_first_step_plans_the_first_shape() -> None:
@@ -108,6 +108,20 @@ def test_a_robot_hears_exactly_the_numbers_that_viewers_see() -> None:
         strict=True,
     ):
         np.testing.assert_array_equal(mine, theirs)
+
+
+@pytest.mark.parametrize("task", [task for task in Task if task is not Task.GOALS])
+def test_what_is_left_to_the_robots_is_not_told_them_but_shown_to_viewers(task: Task) -> None:
+    radio = Radio(0)
+    air = Air(make_mission(task=task), radio)
+
+    shown = air.step().plan
+    air.run(3)
+
+    assert shown is not None
+    (heard,) = radio.plans
+    assert (heard.task, heard.roster, heard.goals_crc) == (task, ROSTER, shown.goals_crc)
+    assert (len(heard.goals), len(shown.goals)) == (0, 4 if task.has_goals else 0)
 
 
 def test_the_plan_is_repeated_until_the_robot_reports_it() -> None:
@@ -240,8 +254,9 @@ def plans_and_notices(air: Air, ticks: int) -> tuple[list[Plan], list[str]]:
     return [o.plan for o in outputs if o.plan is not None], [o.report.notice for o in outputs if o.report.notice]
 
 
-def test_a_robot_that_falls_silent_for_good_is_planned_around() -> None:
-    air = Air(make_mission(), Radio(0), Radio(7))
+@pytest.mark.parametrize("task", list(Task))
+def test_a_robot_that_falls_silent_for_good_is_planned_around(task: Task) -> None:
+    air = Air(make_mission(task=task), Radio(0), Radio(7))
     first = air.step().plan
     air.run(9)
     air.radios[1].report(epoch=1)
@@ -256,7 +271,8 @@ def test_a_robot_that_falls_silent_for_good_is_planned_around() -> None:
     assert first is not None
     (plan,) = plans
     assert plan.epoch == 2
-    assert len(plan.goals) == len(first.goals) - 1
+    assert (plan.task, plan.robot_count) == (task, first.robot_count - 1)
+    assert len(plan.goals) == (len(first.goals) - 1 if task.has_goals else 0)
     assert plan.obstacles[-1].mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-6)  # where its last hello put it
 
 

@@ -5,11 +5,12 @@ import pytest
 from shapely import LineString, Point, Polygon
 
 from mission_computer.membership import Member
-from mission_computer.plan_making import DOUBT_MAX_M, SIGMAS, PlanMaker, body_outline
+from mission_computer.plan_making import DOUBT_MAX_M, SIGMAS, PlanMaker, body_outline, nearest_inside
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
-from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.partition import PartitionConfig
+from swarm_msgs_py.messages.bodies import Plan, Task
+from swarm_msgs_py.partition import Method, PartitionConfig
+from swarm_msgs_py.plan_goals import completed, goals_crc
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -228,3 +229,76 @@ def test_bodies_of_the_lost_still_hold_their_circles_after_the_plan_has_been_tra
     assert isinstance(heard, Plan)
     for place, outline in zip(places, heard.obstacles[1:], strict=True):
         assert Polygon(outline).buffer(1e-6).contains(Point(place).buffer(SMALL.coverage_radius_m, quad_segs=64))
+
+
+GOALLESS = [task for task in Task if task is not Task.GOALS]
+
+
+@pytest.mark.parametrize("task", GOALLESS)
+def test_plans_that_leave_the_goals_to_the_robots_say_for_whom_and_what_to_do(task: Task) -> None:
+    plan = make_maker(task=task).for_shape(1, SQUARE, ())
+
+    assert (plan.task, plan.roster, plan.robot_count) == (task, ROSTER, 9)
+    assert len(plan.goals) == (9 if task is Task.PARTITION else 0)
+    assert plan.method is (Method.BUBBLE_PACKING if task is Task.PARTITION else None)
+
+
+def test_the_checksum_is_that_of_the_goals_which_robots_find() -> None:
+    maker = make_maker(task=Task.PARTITION)
+    plan = maker.for_shape(1, SQUARE, ())
+
+    heard = decode_body(encode_body(plan))
+    assert isinstance(heard, Plan)
+    found = completed(heard, PartitionConfig())
+
+    assert heard.goals_crc == goals_crc(found.goals, found.goal_types) != 0
+    np.testing.assert_array_equal(found.goals, plan.goals)
+    np.testing.assert_array_equal(maker.as_held(encode_body(plan)).goals, plan.goals)
+
+
+@pytest.mark.parametrize("task", GOALLESS)
+def test_after_a_loss_such_plans_are_for_those_left_and_around_the_body(task: Task) -> None:
+    maker = make_maker(task=task)
+    maker.for_shape(1, SQUARE, ())
+
+    plan = maker.for_members(2, [dead(7, np.array([4.0, 4.0]), robot_type=3)])
+
+    assert (plan.epoch, plan.bodies, plan.robot_count) == (2, 1, 8)
+    assert plan.roster == ROSTER.without([3])
+    assert all(gap > 0.0 for gap in body_gaps(plan, plan.body_outlines[0]))
+    again = maker.for_members(3, ())
+    assert (again.bodies, again.robot_count) == (0, 9)
+    np.testing.assert_array_equal(again.goals, maker.for_shape(4, SQUARE, ()).goals)
+
+
+@pytest.mark.parametrize("task", GOALLESS)
+def test_another_number_for_such_a_plan_changes_nothing_else(task: Task) -> None:
+    maker = make_maker(task=task)
+    plan = maker.for_shape(1, SQUARE, ())
+
+    again = maker.as_held(encode_body(maker.renumbered(plan, 7)))
+
+    assert (again.epoch, again.goals_crc) == (7, plan.goals_crc)
+    np.testing.assert_array_equal(again.goals, plan.goals)
+
+
+def test_a_shape_too_small_to_partition_is_refused_but_forces_may_try() -> None:
+    small = 0.2 * SQUARE
+    with pytest.raises(ShapeError, match="scale it by at least"):
+        make_maker(task=Task.PARTITION).for_shape(1, small, ())
+
+    assert make_maker(task=Task.FORCES).for_shape(1, small, ()).robot_count == 9
+
+
+@pytest.mark.parametrize("task", GOALLESS)
+def test_a_shape_over_an_obstacle_is_refused_whatever_is_asked(task: Task) -> None:
+    with pytest.raises(ShapeError, match="obstacle 1"):
+        make_maker(task=task).for_shape(1, SQUARE + np.array([3.0, -2.0]), ())
+
+
+def test_who_is_driven_into_a_shape_goes_to_its_nearest_point() -> None:
+    outside = nearest_inside(SQUARE, (-3.0, 2.0))
+
+    assert outside is not None
+    np.testing.assert_allclose(outside, [0.0, 2.0])
+    assert nearest_inside(SQUARE, (4.0, 4.0)) is None

@@ -23,7 +23,7 @@ LAWS = list(ForceLawName)
 
 
 def make_strategy(law: ForceLawName = ForceLawName.LITERAL, period: float = PERIOD) -> ForceStrategy:
-    return ForceStrategy(ForceConfig(law=law), PlanningConfig(), THESIS_TYPES[0], RADII, period)
+    return ForceStrategy(law, ForceConfig(), PlanningConfig(), THESIS_TYPES[0], RADII, period)
 
 
 def velocity_at(
@@ -61,11 +61,21 @@ def test_in_the_middle_of_the_shape_a_robot_alone_rests(law: ForceLawName) -> No
 def test_a_robot_that_knows_its_place_badly_rests_sooner() -> None:
     sure, unsure = make_strategy(ForceLawName.SHARING), make_strategy(ForceLawName.SHARING)
 
-    velocity_at(sure, 1.5, 0.0)
-    velocity_at(unsure, 1.5, 0.0, sigma=0.6)
+    velocity_at(sure, 0.3, 0.0)
+    velocity_at(unsure, 0.3, 0.0, sigma=0.6)
 
     assert unsure.is_at_rest
     assert not sure.is_at_rest
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("sigma", [0.6, 2.0, 50.0])
+def test_however_badly_a_robot_knows_its_place_it_drives_to_a_shape_far_away(law: ForceLawName, sigma: float) -> None:
+    strategy = make_strategy(law)
+
+    velocity_at(strategy, 0.0, 0.0, sigma=sigma)
+    assert strategy.is_at_rest
+    assert velocity_at(strategy, 30.0, 0.0, sigma=sigma)[0] < -0.4
 
 
 def test_a_resting_robot_starts_again_only_under_a_clear_force() -> None:
@@ -107,15 +117,13 @@ def test_larger_neighbors_are_kept_farther_away_from() -> None:
 
 def test_what_is_commanded_is_the_mean_of_a_motion_in_short_steps() -> None:
     # At a gap of 0.1 m the first force alone would drive 0.25 m in a tick; the robot foresees that it is over sooner.
-    config = ForceConfig(law=ForceLawName.LITERAL)
-    law = law_for(config, SQUARE, (), PlanningConfig())
+    config = ForceConfig()
+    law = law_for(ForceLawName.LITERAL, config, SQUARE, (), PlanningConfig())
     position, radius = np.array([[-0.4, 0.0]]), np.array([0.15])
     between = Others(np.array([[0.0, 0.0], [-0.85, 0.0]]), np.array([0.15, 0.15]), np.ones((1, 2), dtype=np.bool_))
 
     foreseen = ForceDrive(config, PERIOD).step(law, position, radius, between, np.zeros((2, 2)))
-    blind = ForceDrive(ForceConfig(law=ForceLawName.LITERAL, substep_s=0.1), 0.1).step(
-        law, position, radius, between, np.zeros((2, 2))
-    )
+    blind = ForceDrive(ForceConfig(substep_s=0.1), 0.1).step(law, position, radius, between, np.zeros((2, 2)))
 
     assert np.abs(blind).max() == pytest.approx(0.5, rel=0.01)
     assert np.abs(foreseen).max() < 0.3
@@ -124,8 +132,13 @@ def test_what_is_commanded_is_the_mean_of_a_motion_in_short_steps() -> None:
 def test_equal_shapes_and_settings_share_one_law() -> None:
     config = ForceConfig()
 
-    assert law_for(config, SQUARE, (), PlanningConfig()) is law_for(config, SQUARE.copy(), (), PlanningConfig())
-    assert law_for(config, SQUARE, (), PlanningConfig()) is not law_for(config, SQUARE + 1.0, (), PlanningConfig())
+    one, same, other = (
+        law_for(ForceLawName.SHARING, config, shape, (), PlanningConfig())
+        for shape in (SQUARE, SQUARE.copy(), SQUARE + 1.0)
+    )
+    assert one is same
+    assert one is not other
+    assert one is not law_for(ForceLawName.LITERAL, config, SQUARE, (), PlanningConfig())
 
 
 def test_rest_without_hysteresis_is_refused() -> None:

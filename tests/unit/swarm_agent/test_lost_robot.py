@@ -13,13 +13,14 @@ from swarm_agent.config import AgentConfig
 from swarm_agent.localization.config import LostConfig, LostRule, LpsConfig
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.bodies import CostRow, Plan
+from swarm_msgs_py.messages.bodies import CostRow, Plan, Task
 from swarm_msgs_py.messages.radio import Hello, Packet, RouteRows
 from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import AgentOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
@@ -49,7 +50,7 @@ class World:
         self._heard: tuple[bytes, ...] = ()
         self._sent: tuple[bytes, ...] = ()
         if plan is not None:
-            self._radios[MISSION].flood(encode_body(plan))
+            self.order(plan)
 
     def step(self, **changes: object) -> AgentOutputs:
         near = [node for node, place in BEACONS.items() if np.hypot(*(self.position - place)) < REACH]
@@ -73,6 +74,10 @@ class World:
         self._velocity = velocity
         self.tick += 1
         return outputs
+
+    def order(self, plan: Plan) -> None:
+        """Let the mission computer say a plan."""
+        self._radios[MISSION].flood(encode_body(plan))
 
     def overhear(self, frames: tuple[bytes, ...]) -> None:
         """Add frames of somebody else to what is heard in the next tick."""
@@ -166,6 +171,29 @@ def test_who_has_no_goal_to_keep_withdraws_with_an_empty_row() -> None:
 
     assert world.reports[-1].mode is Mode.RETURN_HOME
     assert world.rows[-1][1] == []
+
+
+@pytest.mark.parametrize("task", [Task.FORCES, Task.FORCES_LITERAL])
+def test_a_robot_that_forces_drove_astray_returns_home_and_is_driven_again(task: Task) -> None:
+    plan = replace(
+        make_plan(GOAL[:0]), contour=make_plan(GOAL).contour + np.array([28.0, 0.0]), obstacles=(WALL,), task=task,
+        roster=Roster.of(THESIS_TYPES[:2]),
+    )  # fmt: skip
+    here = replace(plan, contour=make_plan(GOAL).contour, epoch=2)
+    world = World(LostConfig(rule=LostRule.BEACONS), plan)
+    world.run(3.0)
+    assert world.reports[-1].mode in {Mode.TRAVELING, Mode.BLOCKED}
+    assert world.position[0] > START[0] + 0.5
+
+    world.order(here)
+    world.run(150.0)
+
+    homeward = world.first(Positioning.RETURN_HOME)
+    states = [report.localization.positioning for report in world.reports]
+    back = next(n for n in range(homeward, len(states)) if states[n] is Positioning.LOCALIZED)
+    assert all(report.mode is Mode.RETURN_HOME for report in world.reports[homeward:back])
+    assert world.reports[-1].mode is Mode.PARKED
+    assert np.abs(world.track[-1]).max() < 4.0
 
 
 def test_a_robot_at_home_waits_there_for_beacons() -> None:

@@ -20,8 +20,12 @@ from swarm_msgs_py.messages.bodies import (
     Report,
     RowBundle,
     RowRequest,
+    Task,
 )
 from swarm_msgs_py.messages.radio import Packet
+from swarm_msgs_py.partition import Method
+from swarm_msgs_py.plan_codec import ROBOTS_MAX
+from swarm_msgs_py.roster import Roster, TypeGroup
 from swarm_msgs_py.types import NodeId
 
 TRIANGLE = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])
@@ -38,6 +42,65 @@ def row_with(objective: int = 0, weight: int = WEIGHT_ONE) -> bytes:
 
 def make_plan() -> Plan:
     return Plan(9, TRIANGLE, (TRIANGLE + 10.0, TRIANGLE - 10.0), np.array([[1.0, 1.0], [0.5, 0.25]]), np.array([1, 3]))
+
+
+ROSTER = Roster(
+    groups=(
+        TypeGroup(type=1, count=17, coverage_radius_m=0.15),
+        TypeGroup(type=3, count=16, coverage_radius_m=0.5),
+    )
+)
+NOWHERE, NOBODY = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+
+
+def make_order(task: Task = Task.PARTITION, **changes: object) -> Plan:
+    """Return a plan that names no goals."""
+    method, crc = (Method.VORONOI, 0xCAFE1234) if task is Task.PARTITION else (None, 0)
+    plan = Plan(9, TRIANGLE, (TRIANGLE + 10.0,), NOWHERE, NOBODY, 1, task, ROSTER, method, crc)
+    return replace(plan, **changes)  # type: ignore[arg-type]
+
+
+def order_with(offset: int, layout: str, *values: int) -> bytes:
+    """Return an order to partition with other bytes from `offset` on, counted from the end if it is negative."""
+    data = bytearray(encode_body(make_order()))
+    struct.pack_into(layout, data, offset % len(data), *values)
+    return bytes(data)
+
+
+@pytest.mark.parametrize("task", [task for task in Task if task is not Task.GOALS])
+def test_a_plan_without_goals_says_what_to_do_and_for_whom(task: Task) -> None:
+    sent = make_order(task)
+
+    heard = decode_body(encode_body(sent))
+
+    assert isinstance(heard, Plan)
+    assert (heard.task, heard.roster, heard.method, heard.goals_crc) == (task, ROSTER, sent.method, sent.goals_crc)
+    assert (heard.goals.shape, heard.goal_types.shape, heard.robot_count) == ((0, 2), (0,), 33)
+    assert_allclose(heard.body_outlines[0], TRIANGLE + 10.0)
+
+
+def test_goals_that_robots_found_for_themselves_do_not_go_on_the_air() -> None:
+    found = make_order(goals=np.array([[1.0, 1.0]]), goal_types=np.array([1]))
+
+    assert encode_body(found) == encode_body(make_order())
+
+
+def test_an_order_is_far_shorter_than_the_goals_that_follow_from_it() -> None:
+    goals = replace(make_plan(), goals=np.zeros((50, 2)), goal_types=np.ones(50, dtype=np.int64))
+
+    assert len(encode_body(make_order())) == 1 + 20 + 12 + 2 + 12 + 1 + 2 * 5 + 5
+    assert len(encode_body(make_order())) < 0.25 * len(encode_body(goals))
+
+
+def test_nobody_is_larger_than_an_order_says() -> None:
+    odd = Roster(groups=(TypeGroup(type=1, count=1, coverage_radius_m=0.12345),))
+
+    heard = decode_body(encode_body(make_order(roster=odd)))
+
+    assert isinstance(heard, Plan)
+    assert heard.roster is not None
+    assert heard.roster.groups[0].coverage_radius_m == 0.124
+    assert encode_body(heard) == encode_body(make_order(roster=odd))
 
 
 def test_plan_survives_the_air() -> None:
@@ -168,6 +231,12 @@ def test_receivers_share_one_read_only_record() -> None:
         Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), 2),
         Plan(1, TRIANGLE, (TRIANGLE,), TRIANGLE, np.array([1, 1, 1]), -1),
         Plan(1, TRIANGLE, (), TRIANGLE, np.array([1, 1, 256])),
+        make_order(roster=None),
+        make_order(Task.FORCES, roster=None),
+        make_order(method=None),
+        make_order(goals_crc=-1),
+        make_order(roster=Roster(groups=(TypeGroup(type=1, count=1, coverage_radius_m=66.0),))),
+        make_order(roster=Roster(groups=tuple(replace(g, count=ROBOTS_MAX // 2 + 1) for g in ROSTER.groups))),
     ],
     ids=[
         "negative cost",
@@ -182,6 +251,12 @@ def test_receivers_share_one_read_only_record() -> None:
         "too many bodies",
         "negative bodies",
         "type",
+        "no roster",
+        "no roster for forces",
+        "no method",
+        "checksum",
+        "giant",
+        "crowd",
     ],
 )
 def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
@@ -199,8 +274,19 @@ def test_sender_cannot_encode_nonsense(body: CostRow | Report | Plan) -> None:
         (row_with(objective=len(Objective)), "unknown objective: 2"),
         (row_with(weight=0), "weight 0"),
         (encode_body(Report(NodeId(1), 1, 1, 0, (0.0, 0.0), 0, 0.1))[:-7] + b"\x00\x00\xc0\x7f\x00\x0a\x00", "finite"),
+        (order_with(11, "<B", len(Task)), "unknown task: 4"),
+        (order_with(-5, "<B", len(Method)), "unknown partition method: 3"),
+        (order_with(-10, "<BHH", 3, 0, 500), "a roster that is none: count must be >= 1"),
+        (order_with(-10, "<BHH", 0, 16, 500), "a roster that is none: type must be >= 1"),
+        (order_with(-10, "<BHH", 3, 16, 0), "a roster that is none: coverage_radius_m must be > 0"),
+        (order_with(-10, "<BHH", 1, 16, 500), "lists robot type 1 2 times"),
+        (order_with(-10, "<BHH", 3, 984, 500), "a roster of 1001 robots"),
+        (order_with(-16, "<B", 0)[:-10], "a roster that is none|too many"),
     ],
-    ids=["empty", "kind", "long", "short", "objective", "weight", "nan"],
+    ids=[
+        *("empty", "kind", "long", "short", "objective", "weight", "nan"),
+        *("task", "method", "no robots", "no type", "no size", "twice", "crowd", "nobody"),
+    ],
 )
 def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
@@ -215,7 +301,7 @@ def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_redu
         encode_body(plan)
 
     text = str(caught.value)
-    assert f"Plan of {1 + 21 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
+    assert f"Plan of {1 + 22 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
     assert "16000 goals of 5 bytes, 3 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer goals" in text
     assert "\n" not in text
 

@@ -292,3 +292,17 @@ def test_a_death_of_the_scenario_is_like_one_by_the_operator() -> None:
     killed.kill(NodeId(1))
 
     assert [flat(truth) for truth in run(planned, 3)] == [flat(truth) for truth in run(killed, 3)]
+
+
+def test_a_mission_computer_that_dies_neither_hears_nor_is_heard() -> None:
+    sim = Simulation(make_config(), make_scene(make_row(2)), 1, {MISSION: 2})
+    heard: list[tuple[bool, int]] = []
+    for _ in range(5):
+        seen = sim.observe()
+        heard.append((b"order" in seen.agents[NodeId(0)].inbox, len(seen.mission.inbox)))
+        sim.apply({}, {MISSION: (b"order",), NodeId(0): (b"report",)})
+        truth = sim.advance()
+
+    assert heard == [(False, 0), (True, 1), (True, 0), (False, 0), (False, 0)]  # what was in the air still comes
+    assert sim.take_died() == (MISSION,)
+    assert truth.alive.all()

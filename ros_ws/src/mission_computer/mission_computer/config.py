@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
-from swarm_msgs_py.partition.config import PartitionConfig
+from swarm_msgs_py.messages.bodies import Task
+from swarm_msgs_py.partition.config import Method, PartitionConfig
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +40,20 @@ class MissionConfig(Config):
         unit="m",
         minimum=0.0,
     )
+    task: Task | None = setting(
+        None,
+        "what plans ask of the robots: goals, to share out goals that are computed here; partition, to find the goals"
+        " from the shape, each robot by itself; forces or forces-literal, to let forces drive them, without goals;"
+        " null: partition for the method voronoi, else goals",
+    )
     partition: PartitionConfig = section(PartitionConfig, "how a shape becomes goals")
+
+    @property
+    def asked(self) -> Task:
+        """What plans ask of the robots; by default what suits the method."""
+        if self.task is not None:
+            return self.task
+        return Task.PARTITION if self.partition.method is Method.VORONOI else Task.GOALS
 
     def __post_init__(self) -> None:
         """Check that the pauses are in order.

@@ -10,7 +10,7 @@ import numpy as np
 from mission_computer.config import MissionConfig
 from mission_computer.dissemination import Dissemination
 from mission_computer.membership import Membership, change_line
-from mission_computer.plan_making import PlanMaker
+from mission_computer.plan_making import PlanMaker, nearest_inside
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError, SwarmError
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epoch
@@ -56,7 +56,7 @@ class Mission:
         bounds: tuple[float, float, float, float] | None = None,
     ) -> None:
         self._config = config
-        self._maker = PlanMaker(config.partition, roster, obstacles, bounds)
+        self._maker = PlanMaker(config.partition, roster, obstacles, bounds, config.asked)
         self._membership = Membership(config, [group.type for group in roster.groups])
         self._network = MeshNetwork(MISSION, network, period_s)
         self._dissemination = Dissemination(config)
@@ -102,9 +102,16 @@ class Mission:
         return epoch < self._epoch and not self._dissemination.is_on_its_way(time)
 
     def _destination(self, report: Report) -> FloatArray | None:
-        """Return where the goal is that a robot reports [m], None if it has none or speaks of another plan."""
+        """Return where a robot is driving that reports [m], None if it is not, or speaks of another plan.
+
+        That is its goal; where there are none, the nearest point of the shape.
+        """
         plan = self._plan
-        if plan is None or report.epoch != plan.epoch or not 0 <= report.goal < len(plan.goals):
+        if plan is None or report.epoch != plan.epoch:
+            return None
+        if not plan.task.has_goals:
+            return nearest_inside(plan.contour, report.position)
+        if not 0 <= report.goal < len(plan.goals):
             return None
         goal: FloatArray = plan.goals[report.goal]
         return goal
@@ -160,7 +167,7 @@ class Mission:
         except SwarmError as error:
             return None, self._refusal(f"{change}, but a new plan is not possible: {error}")
         self._put_in_force(body, time)
-        notice = f"{change}; new plan for {len(plan.goals)} robots"
+        notice = f"{change}; new plan for {plan.robot_count} robots"
         _log.info(notice)
         return self._plan, notice
 
@@ -176,13 +183,11 @@ class Mission:
 
     def _put_in_force(self, body: bytes, time: float) -> None:
         self._body = body
-        # Viewers and metrics see exactly what the robots decode: positions in centimeters.
-        decoded = decode_body(self._body)
-        assert isinstance(decoded, Plan)  # the type that was encoded
-        self._plan = decoded
-        self._newest_epoch = decoded.epoch
-        self._dissemination.restart(decoded.epoch, time)
-        _log.info("plan %d: %d goals", decoded.epoch, len(decoded.goals))
+        # Viewers and metrics see exactly what the robots hold: positions in centimeters.
+        self._plan = plan = self._maker.as_held(body)
+        self._newest_epoch = plan.epoch
+        self._dissemination.restart(plan.epoch, time)
+        _log.info("plan %d: %s for %d robots", plan.epoch, plan.task.value, plan.robot_count)
 
     def _presence(self, tick: int) -> Presence:
         return Presence(

@@ -10,9 +10,12 @@ import shapely
 
 from mission_computer.membership import Member
 from mission_computer.shape import check_inside, load_shape
-from swarm_msgs_py.body_codec import encode_body
-from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.body_codec import decode_body, encode_body
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.messages.bodies import Plan, Task
 from swarm_msgs_py.partition import GoalSet, PartitionConfig, adapt, partition
+from swarm_msgs_py.partition.domain import check_obstacles
+from swarm_msgs_py.plan_goals import completed, goals_crc, is_contour
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
@@ -24,6 +27,8 @@ ROUNDING_M = 0.0071  # half the diagonal of a centimeter: so far may a corner be
 class PlanMaker:
     """Makes plans, and remembers the goals of the shape in force, so that plans for fewer robots keep most of them.
 
+    Plans that leave the goals to the robots, or have none, follow from the shape and from who is lost alone.
+
     Parameters
     ----------
     config : PartitionConfig
@@ -33,6 +38,8 @@ class PlanMaker:
         Polygons of the map [m].
     bounds : tuple of float or None
         Least x, least y, greatest x, greatest y of the arena [m]; None: no limits.
+    task : Task
+        What the plans ask of the robots.
     """
 
     def __init__(
@@ -41,8 +48,10 @@ class PlanMaker:
         roster: Roster,
         obstacles: tuple[FloatArray, ...],
         bounds: tuple[float, float, float, float] | None,
+        task: Task = Task.GOALS,
     ) -> None:
         self._config = config
+        self._task = task
         self._roster = roster
         self._obstacles = obstacles
         self._bounds = bounds
@@ -65,6 +74,10 @@ class PlanMaker:
         contour = load_shape(load_shape(shape).round(2))  # plans travel in centimeters
         if self._bounds is not None:
             check_inside(contour, self._bounds, "ordered shape")
+        if self._task is not Task.GOALS:
+            plan = self._without_goals(epoch, contour, lost)
+            self._contour = contour
+            return plan
         roster = self._roster.without(member.type for member in lost)
         goals = partition(contour, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
         plan = self._plan(epoch, contour, goals, lost)
@@ -87,6 +100,8 @@ class PlanMaker:
         FrameError
             If the plan cannot be put into a packet.
         """
+        if self._task is not Task.GOALS:
+            return self._without_goals(epoch, self._contour, lost)
         roster = self._roster.without(member.type for member in lost)
         rows = self._kept_rows(roster, lost)
         bodies = self._bodies(lost)
@@ -108,6 +123,31 @@ class PlanMaker:
         if plan.epoch in self._rows:
             self._rows[epoch] = self._rows[plan.epoch]
         return replace(plan, epoch=epoch)
+
+    def as_held(self, body: bytes) -> Plan:
+        """Return the plan of these bytes as robots hold it: places as they travel, and the goals that robots find."""
+        plan = decode_body(body)
+        assert isinstance(plan, Plan)  # the type that was encoded
+        return completed(plan, self._config)
+
+    def _without_goals(self, epoch: int, contour: FloatArray, lost: Sequence[Member]) -> Plan:
+        """Return a plan that says only what the robots find the goals from, or what drives them.
+
+        Raises
+        ------
+        ShapeError
+            If the shape cannot be used, or has no room for goals.
+        """
+        check_obstacles(contour, self._obstacles)
+        bodies, roster = self._bodies(lost), self._roster.without(member.type for member in lost)
+        method = self._config.method if self._task is Task.PARTITION else None
+        nowhere, nobody = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+        outlines = self._obstacles + bodies
+        plan = Plan(epoch, contour, outlines, nowhere, nobody, len(bodies), self._task, roster, method)
+        held = self.as_held(encode_body(plan))
+        if not is_contour(held.contour):
+            raise ShapeError("the shape is too finely jagged for a plan as wide as this; simplify it")
+        return replace(held, goals_crc=goals_crc(held.goals, held.goal_types))
 
     def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
         """Return a plan that fits a radio packet; one that does not is an error before anything is remembered."""
@@ -167,3 +207,9 @@ def body_outline(position: tuple[float, float], radius: float, ahead: tuple[floa
     corners = np.vstack([np.array(end) + octagon for end in (position, ahead or position)])
     hull = shapely.MultiPoint(corners.round(2)).convex_hull
     return np.array(shapely.geometry.polygon.orient(hull).exterior.coords[:-1])
+
+
+def nearest_inside(contour: FloatArray, position: tuple[float, float]) -> FloatArray | None:
+    """Return the point of a shape that is nearest to a position outside it, (2,) [m]; None for one inside."""
+    line = shapely.shortest_line(shapely.Point(position), shapely.Polygon(contour))
+    return shapely.get_coordinates(line)[1] if line.length > 0.0 else None

@@ -12,11 +12,13 @@ from swarm_agent.control.avoidance import Avoidance
 from swarm_agent.control.path_follower import PathFollower
 from swarm_agent.control.wall_following import WallFollowing
 from swarm_agent.control.yielding import make_way
+from swarm_agent.decision.by_task import ByTask
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.homing import home_destination, home_point
 from swarm_agent.decision.strategy import Decision, Strategy
 from swarm_agent.energy import EnergyStore
+from swarm_agent.forces.forming import ForceForming
 from swarm_agent.localization.hypotheses import widest
 from swarm_agent.localization.localizer import Estimate, Localizer
 from swarm_agent.localization.positioning import PositioningMonitor, Signs
@@ -30,6 +32,8 @@ from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode,
 from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.orientation import rotation
+from swarm_msgs_py.partition import PartitionConfig
+from swarm_msgs_py.plan_goals import goals_crc
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.step_io import AgentInputs, AgentOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
@@ -55,6 +59,8 @@ class Agent:
         Map known before a plan brings one [m].
     start : PositionFix or None
         Where the robot was told to stand at the start; None: it has to find out.
+    partition : PartitionConfig or None
+        How to find the goals of a plan that leaves them to the robots, as the mission computer has it; None: defaults.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917 - what one robot is and has been told
@@ -65,6 +71,7 @@ class Agent:
         period_s: float,
         obstacles: tuple[FloatArray, ...] = (),
         start: PositionFix | None = None,
+        partition: PartitionConfig | None = None,
     ) -> None:
         self.id = robot
         self._config = config
@@ -73,9 +80,9 @@ class Agent:
         self._localizer = Localizer(config.lps, period_s, start, obstacles)
         self._monitor = PositioningMonitor(config.lps, period_s)
         self._mesh = MeshNetwork(robot, config.network, period_s)
-        self._consensus = Consensus(robot, robot_type.type, config.decision, period_s)
+        self._consensus = Consensus(robot, robot_type.type, config.decision, period_s, partition)
         self._energy = EnergyStore(config.energy, period_s)
-        self._strategy: Strategy = GoalSeeking(
+        goals = GoalSeeking(
             robot,
             robot_type,
             config=config.decision,
@@ -86,6 +93,11 @@ class Agent:
             obstacles=obstacles,
             period_s=period_s,
         )
+        forces = ForceForming(
+            robot, robot_type, config=config.forces, planning=config.planning, mesh=self._mesh, period_s=period_s
+        )
+        self._strategy: Strategy = ByTask(self._consensus, goals, forces)
+        self._period = period_s
         self._follower = PathFollower(config.control, period_s, robot_type.coverage_radius_m)
         radius, margin = robot_type.coverage_radius_m, config.control.avoidance.margin_m
         self._wall_following = WallFollowing(radius, margin, period_s)
@@ -93,10 +105,16 @@ class Agent:
         self._planner: PathPlanner | None = None
         self._mapped: tuple[FloatArray, ...] = ()
         self._learned: Plan | None = None
+        self._goals_crc = 0  # of the goals in that plan
         self._reported_epoch = 0
         self._disagreements = 0
         self._told: FloatArray | None = None  # velocity of the last command, body frame
         self._home: tuple[int, FloatArray] | None = None  # epoch and home point of its plan
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan in force, with the goals that it left the robots to find."""
+        return self._consensus.plan
 
     def step(self, inputs: AgentInputs) -> AgentOutputs:
         """Advance by one tick: the whole flow of one robot, top to bottom."""
@@ -133,10 +151,10 @@ class Agent:
         return AgentOutputs(tick, command, outbox, self._state(estimate, decision, mode))
 
     def _learn(self, plan: Plan | None) -> None:
-        """Tell the localizer what a new plan says of walls and bodies."""
+        """Tell the localizer what a new plan says of walls and bodies; take down its goals."""
         if plan is not None and plan is not self._learned:
             self._localizer.learn(plan.walls, plan.body_outlines)
-            self._learned = plan
+            self._learned, self._goals_crc = plan, goals_crc(plan.goals, plan.goal_types)
 
     def _positioning(self, inputs: AgentInputs, estimate: Estimate | None) -> Positioning:
         """Return whether the robot knows where it is; count beacons that the hellos and the routes see differently."""
@@ -151,8 +169,9 @@ class Agent:
     def _decide(self, tick: int, estimate: Estimate, positioning: Positioning) -> Decision:
         """Return where to go: where the swarm's decision says, or home if the robot has been lost for too long."""
         is_lost = positioning is Positioning.RETURN_HOME
-        is_blocked = self._avoidance.is_blocked
-        decision = self._strategy.step(tick, estimate.position, takes_part=not is_lost, is_blocked=is_blocked)
+        decision = self._strategy.step(
+            tick, estimate.position, _sigma(estimate), takes_part=not is_lost, is_blocked=self._avoidance.is_blocked
+        )
         plan = self._consensus.plan
         if not is_lost or plan is None:
             return decision  # without a plan there is no shape to return to: the strategy goes and finds one
@@ -165,12 +184,15 @@ class Agent:
     def _control(
         self, estimate: Estimate, decision: Decision, around: FloatArray, to_world: FloatArray
     ) -> VelocityCommand:
-        """Return the body-frame command that follows the path and keeps clear of what is near."""
+        """Return the body-frame command that follows the path, or the forces, and keeps clear of what is near."""
         planner = self._planner_for(decision.obstacles)
         wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate), around)
-        wanted = self._wall_following.step(wanted, self._localizer.walls)
         path = self._follower.path
         reach = float(np.hypot(*(path[0] - estimate.position))) if len(path) else 0.0
+        if decision.velocity is not None:
+            # Forces look at others farther ahead themselves; they are asked again in a tick.
+            wanted, reach = decision.velocity, float(np.hypot(*decision.velocity)) * self._period
+        wanted = self._wall_following.step(wanted, self._localizer.walls)
         aside = self._step_aside(estimate, decision)
         if aside is not None:
             wanted, reach = aside, self._config.control.yielding.displacement_max_m
@@ -198,9 +220,10 @@ class Agent:
         """Return what the robot does, and whether it hardly gets on with it; others must know who returns home."""
         if decision is None:
             return Mode.WAITING, False
-        if decision.goal >= 0 and self._follower.is_parked:
+        if decision.mode is Mode.PARKED or (decision.goal >= 0 and self._follower.is_parked):
             return Mode.PARKED, False
-        is_held_up = decision.destination is not None and self._avoidance.is_blocked
+        is_moving = decision.destination is not None or decision.velocity is not None
+        is_held_up = is_moving and self._avoidance.is_blocked
         if is_held_up and decision.mode is not Mode.RETURN_HOME:
             return Mode.BLOCKED, True
         return decision.mode, is_held_up
@@ -258,6 +281,7 @@ class Agent:
             routes=len(self._mesh.reachable),
             rows=len(self._consensus.book),
             counters=self._mesh.counters,
+            goals_crc=self._goals_crc,
         )
 
 

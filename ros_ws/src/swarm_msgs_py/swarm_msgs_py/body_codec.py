@@ -1,11 +1,10 @@
 """Application records of `messages.bodies` as the bytes that a packet carries.
 
 A body is one kind byte and the record's fields, little-endian and without padding: the place of a robot as ``float32``
-[m], costs as unsigned 16 bit [cm]. The places in a plan are ``uint16`` steps from the plan's least x and y; a step is a
-centimeter, in a plan more than 655 m wide the least power of two of centimeters that covers it. The plan is by far the
-longest body, and every radio waits for it: this halves it. Decoding is memoised on the bytes: the fifty receivers of
-one body in a process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with exactly
-the numbers that its receivers see decodes its own bytes. No body is longer than `BODY_MAX`, so each fits one packet.
+[m], costs as unsigned 16 bit [cm]; for plans see `plan_codec`. Decoding is memoised on the bytes: the fifty receivers
+of one body in a process share one record, whose arrays are read-only. Whoever *sends* a body and must compute with
+exactly the numbers that its receivers see decodes its own bytes. No body is longer than `BODY_MAX`, so each fits one
+packet.
 """
 
 from __future__ import annotations
@@ -17,14 +16,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from swarm_msgs_py.binary import COORDINATE_MAX, Reader, checked, frozen, packed, packed_integers, packed_points
+from swarm_msgs_py.binary import Reader, checked, frozen, packed, packed_integers, packed_points
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.bodies import Body, CostRow, Objective, Plan, Report, RowBundle, RowRequest
-from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+from swarm_msgs_py.plan_codec import decode_plan, encode_plan, shortening
+from swarm_msgs_py.types import NodeId
 
 _KIND = struct.Struct("<B")
 _COUNT = struct.Struct("<H")
-_PLAN = struct.Struct("<IHHHHBii")  # epoch; contour, obstacles, bodies, goals; log2 of the step [cm]; origin
 _ROW = struct.Struct("<IHBHBHH")  # epoch, robot, type, version, objective, weight; costs
 _REQUEST = struct.Struct("<IH")  # epoch; rows held
 _COST_SIZE = 2
@@ -32,8 +31,6 @@ _REPORT = struct.Struct("<HBIhffBH")  # robot, type, epoch, goal, x, y, mode; si
 _CM_PER_M = 100.0
 _SIGMA_MAX = 0xFFFF  # [cm]
 _ROUNDING = 1e-6  # [cm]; what was decoded is encoded as the same number
-_OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
-_DOUBLINGS_MAX = 16
 _OBJECTIVES = tuple(Objective)  # an objective travels as its number in this order
 
 BODY_MAX = 65_500
@@ -54,7 +51,7 @@ def encode_body(body: Body) -> bytes:
     data = _encode(body)
     if len(data) > BODY_MAX:
         size = f"{type(body).__name__} of {len(data)} bytes; a packet carries at most {BODY_MAX}"
-        raise FrameError(f"{size}; {_advice(body)}" if isinstance(body, Plan) else size)
+        raise FrameError(f"{size}; {shortening(body)}" if isinstance(body, Plan) else size)
     return data
 
 
@@ -65,7 +62,7 @@ def row_size(row: CostRow) -> int:
 
 def _encode(body: Body) -> bytes:
     if isinstance(body, Plan):
-        return _KIND.pack(_PLAN_KIND) + _encode_plan(body)
+        return _KIND.pack(_PLAN_KIND) + encode_plan(body)
     if isinstance(body, CostRow):
         return _KIND.pack(_ROW_KIND) + _encode_row(body)
     if isinstance(body, RowRequest):
@@ -101,67 +98,6 @@ def decode_body(data: bytes) -> Body:
     body = decode(reader)
     reader.finish()
     return body
-
-
-def _advice(plan: Plan) -> str:
-    """Return what makes a plan long, and what to do about it."""
-    corners = sum(map(len, plan.obstacles))
-    return (
-        f"it has {len(plan.goals)} goals of 5 bytes, {len(plan.contour)} contour points of 4, and "
-        f"{len(plan.obstacles)} obstacles with {corners} corners of 4: use fewer goals, or simplify the contour or the "
-        "obstacles"
-    )
-
-
-def _encode_plan(plan: Plan) -> bytes:
-    if len(plan.goal_types) != len(plan.goals):
-        raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
-    _check_bodies(plan.bodies, len(plan.obstacles))
-    groups = (plan.contour, *plan.obstacles, plan.goals)
-    doublings, steps = _in_steps(checked(np.concatenate([np.reshape(group, (-1, 2)) for group in groups])))
-    origin = steps.min(axis=0) if len(steps) else np.zeros(2, dtype=np.int64)
-    contour, *obstacles, goals = np.split(steps - origin, np.cumsum([len(group) for group in groups])[:-1])
-    counts = len(contour), len(obstacles), plan.bodies, len(goals)
-    parts = [packed(_PLAN, plan.epoch, *counts, doublings, *origin.tolist()), packed_integers(contour, "<u2")]
-    for obstacle in obstacles:
-        parts += [packed(_COUNT, len(obstacle)), packed_integers(obstacle, "<u2")]
-    parts += [packed_integers(goals, "<u2"), packed_integers(plan.goal_types, "<u1")]
-    return b"".join(parts)
-
-
-def _in_steps(points: FloatArray) -> tuple[int, IntArray]:
-    """Return how often a centimeter is doubled to make a step, and points in steps; the same for points so rounded."""
-    for doublings in range(_DOUBLINGS_MAX + 1):
-        per_m = _CM_PER_M / 2**doublings
-        limit = math.floor(COORDINATE_MAX * per_m)  # rounding must not lead beyond what may be decoded
-        steps = np.clip(np.rint(points * per_m), -limit, limit).astype(np.int64)
-        extent = int(np.ptp(steps, axis=0).max()) if len(steps) else 0
-        if extent <= _OFFSET_MAX:
-            break
-    if doublings and 2 * extent <= _OFFSET_MAX:  # rounding has made it just narrow enough for steps half as long
-        return doublings - 1, 2 * steps
-    return doublings, steps
-
-
-def _decode_plan(reader: Reader) -> Plan:
-    epoch, corners, obstacles, bodies, goals, doublings, *origin = reader.fields(_PLAN)
-    _check_bodies(bodies, obstacles)
-    if doublings > _DOUBLINGS_MAX:
-        raise FrameError(f"a step of 2^{doublings} cm")
-
-    def points(count: int) -> FloatArray:
-        steps = np.array(origin) + reader.array("<u2", 2 * count).astype(np.int64).reshape(count, 2)
-        return frozen(checked(steps * 2**doublings / _CM_PER_M))
-
-    contour = points(corners)
-    polygons = tuple(points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
-    places = points(goals)
-    return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)), bodies)
-
-
-def _check_bodies(bodies: int, obstacles: int) -> None:
-    if not 0 <= bodies <= obstacles:
-        raise FrameError(f"{bodies} bodies among {obstacles} obstacles")
 
 
 def _encode_row(row: CostRow) -> bytes:
@@ -200,7 +136,7 @@ def _decode_report(reader: Reader) -> Report:
 
 
 _DECODERS: dict[int, Callable[[Reader], Body]] = {
-    _PLAN_KIND: _decode_plan,
+    _PLAN_KIND: decode_plan,
     _ROW_KIND: _decode_row,
     _REQUEST_KIND: _decode_request,
     _BUNDLE_KIND: _decode_bundle,

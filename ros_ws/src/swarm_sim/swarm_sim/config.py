@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from swarm_msgs_py.config import Config, section, setting
+from swarm_msgs_py.errors import ConfigError
 
 
 class Backend(Enum):
@@ -37,6 +38,15 @@ class RangingModel(Enum):
     """Each range has its own error, as ranging radios have."""
     POSITION = "position"
     """All ranges of a robot are taken from one wrong point, as in the simulations of the thesis."""
+
+
+class RadioModel(Enum):
+    """Who hears whom."""
+
+    LINE_OF_SIGHT = "line_of_sight"
+    """Who is in range, with no obstacle between (spec section 3)."""
+    IDEAL = "ideal"
+    """Everybody hears everybody, as in the thesis' comparison of methods."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,6 +141,10 @@ class ProximityConfig(Config):
 class RadioConfig(Config):
     """The radio medium (spec section 3)."""
 
+    model: RadioModel = setting(
+        RadioModel.LINE_OF_SIGHT,
+        "line_of_sight: in range, with no obstacle between; ideal: everybody hears everybody (range_m has no effect)",
+    )
     range_m: float = setting(25.0, "radios closer than this and in line of sight hear each other", unit="m", above=0.0)
     loss: float = setting(0.0, "probability that one receiver misses one frame", minimum=0.0, maximum=1.0)
     delay_ticks_max: int = setting(0, "largest extra delay of a frame, drawn per receiver", unit="ticks", minimum=0)
@@ -140,6 +154,17 @@ class RadioConfig(Config):
     queue_s: float = setting(
         0.5, "a frame that would wait longer than this for its turn is dropped", unit="s", minimum=0.0, maximum=60.0
     )
+
+    def __post_init__(self) -> None:
+        """Check that what is ideal loses and delays nothing; nobody would send it again.
+
+        Raises
+        ------
+        ConfigError
+        """
+        Config.__post_init__(self)
+        if self.model is RadioModel.IDEAL and (self.loss > 0.0 or self.delay_ticks_max > 0):
+            raise ConfigError("model ideal loses and delays nothing; set loss and delay_ticks_max to 0")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

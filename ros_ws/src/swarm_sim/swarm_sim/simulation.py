@@ -14,7 +14,7 @@ from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.step_io import AgentInputs, MissionInputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId, node_name
 from swarm_sim.config import SimConfig
-from swarm_sim.radio.links import LinkModel, LinkTable
+from swarm_sim.radio.links import LinkTable, make_links
 from swarm_sim.radio.medium import Medium, RadioTraffic
 from swarm_sim.scene import RobotSpec, Scene, check_scene
 from swarm_sim.sensors.suite import SensorSuite
@@ -96,7 +96,8 @@ class Simulation:
     seed : int
         Seed of the run; equal config, scene, seed and commands give equal results, byte for byte.
     deaths : mapping of NodeId to int, optional
-        The tick from which on a robot's electronics are dead, as `kill` makes them, for the robots that are to die.
+        The tick from which on the electronics of a robot, or of `MISSION`, are dead, as `kill` makes them, for those
+        that are to die.
 
     Raises
     ------
@@ -116,7 +117,7 @@ class Simulation:
         self._radii = np.array([robot.type.coverage_radius_m for robot in scene.robots])
         self._antenna = np.array([scene.mission_position], dtype=np.float64)
         self._obstacles = ObstacleField(scene.obstacles)
-        self._links = LinkModel(config.radio.range_m, self._obstacles)
+        self._links = make_links(config.radio, self._obstacles)
         self._medium = Medium(config.radio, tuple(self._row), config.period_s, seed)
         self._sensors = SensorSuite(config, scene, self._obstacles, seed)
         self._world = make_world(config, scene, seed)
@@ -242,7 +243,7 @@ class Simulation:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
 
     def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that died because `deaths` says so, in the order of their deaths."""
+        """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""
         died, self._died = tuple(self._died), []
         return died
 
@@ -284,6 +285,7 @@ class Simulation:
         }
 
 
-def death_line(robot: NodeId) -> str:
-    """Return what the operator reads when a robot dies because the scenario says so."""
-    return f"{node_name(robot)} dies, as the scenario says"
+def death_line(node: NodeId) -> str:
+    """Return what the operator reads when a node dies because the scenario says so."""
+    what = "is switched off" if node == MISSION else "dies"
+    return f"{node_name(node)} {what}, as the scenario says"

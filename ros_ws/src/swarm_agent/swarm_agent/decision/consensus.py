@@ -9,13 +9,14 @@ at one common set wherever it is connected, also after a partition has healed.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.rows import RowBook
 from swarm_msgs_py.body_codec import decode_body, encode_body, row_size
-from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.errors import FrameError, ShapeError
 from swarm_msgs_py.messages.bodies import (
     VERSION_LEAP_MAX,
     WEIGHT_ONE,
@@ -23,11 +24,14 @@ from swarm_msgs_py.messages.bodies import (
     Plan,
     RowBundle,
     RowRequest,
+    Task,
     is_newer_epoch,
 )
 from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.networking.mesh import MeshNetwork
-from swarm_msgs_py.types import EVERYONE, IntArray, NodeId
+from swarm_msgs_py.partition import PartitionConfig
+from swarm_msgs_py.plan_goals import completed, goals_crc
+from swarm_msgs_py.types import EVERYONE, IntArray, NodeId, robot_name
 
 BUNDLE_SIZE = 1000
 """Bytes of cost rows in one packet (at least one row): about what a radio sends in a few hundredths of a second."""
@@ -44,6 +48,8 @@ VERSION_MAX = 0xFFFF
 CROWD = 3
 """Neighbors that ask for the plan in one tick, from which on it is flooded: one transmission serves them all."""
 
+_log = logging.getLogger(__name__)
+
 
 class Consensus:
     """One robot's copy of the common knowledge, and the protocol that keeps it common.
@@ -57,12 +63,22 @@ class Consensus:
     config : DecisionConfig
     period_s : float
         Control period [s].
+    partition : PartitionConfig or None
+        Tuning with which to find the goals of a plan that leaves them to the robots; None for the defaults.
     """
 
-    def __init__(self, robot: NodeId, robot_type: int, config: DecisionConfig, period_s: float) -> None:
+    def __init__(
+        self,
+        robot: NodeId,
+        robot_type: int,
+        config: DecisionConfig,
+        period_s: float,
+        partition: PartitionConfig | None = None,
+    ) -> None:
         self._robot = robot
         self._robot_type = robot_type
         self._objective = config.objective
+        self._partition = partition or PartitionConfig()
         self._repair_after = max(1, round(config.repair_after_s / period_s))
         self._repair_period = max(1, round(config.repair_period_s / period_s))
         self._plan_wait = round(config.plan_wait_s / period_s)
@@ -77,7 +93,7 @@ class Consensus:
 
     @property
     def plan(self) -> Plan | None:
-        """The newest plan heard."""
+        """The newest plan heard, with the goals that it leaves the robots to find."""
         return self.book.plan
 
     def receive(self, tick: int, deliveries: Sequence[Delivery], mesh: MeshNetwork) -> None:
@@ -90,7 +106,7 @@ class Consensus:
             except FrameError:
                 continue  # a newer software's record, or damage that the frame's checksum missed
             if isinstance(body, Plan):
-                is_newer = self.book.adopt(body)
+                is_newer = self.book.is_news(body) and self.book.adopt(self._completed(body))
                 if is_newer:
                     self._handed_on.clear()
                     self._offered = 0
@@ -107,7 +123,7 @@ class Consensus:
         self._hand_on(tick, asking, mesh)
 
     def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork, weight: int = WEIGHT_ONE) -> None:
-        """Publish this robot's own costs [cm] for the plan in force, and their weight; nothing after the last version."""
+        """Publish this robot's own costs [cm] for the plan in force, and its weight; nothing after the last version."""
         version = self.book.version_of(self._robot) + 1
         if version > VERSION_MAX:
             return
@@ -148,6 +164,25 @@ class Consensus:
         if row.robot == self._robot and row.version > self._offered + VERSION_LEAP_MAX:
             return
         self._note(tick, changed=self.book.put(row))
+
+    def _completed(self, plan: Plan) -> Plan:
+        """Return a plan with the goals that it leaves to be found; without any if there are none to be found.
+
+        Its place in the book is the plan's all the same: the mission computer and the neighbors have it too. What is
+        handed on does not hold the goals.
+        """
+        try:
+            whole = completed(plan, self._partition)
+        except ShapeError as error:
+            _log.warning("%s finds no goals for plan %d: %s", robot_name(self._robot), plan.epoch, error)
+            return plan
+        if plan.task is Task.PARTITION and goals_crc(whole.goals, whole.goal_types) != plan.goals_crc:
+            _log.warning(
+                "%s finds other goals for plan %d than the mission computer; give both the same settings and software",
+                robot_name(self._robot),
+                plan.epoch,
+            )
+        return whole
 
     def _hand_on(self, tick: int, asking: Sequence[NodeId], mesh: MeshNetwork) -> None:
         """Give the plan to who has asked for it, but not to somebody who has just been given it: it is on its way.

@@ -5,7 +5,8 @@ from __future__ import annotations
 import zlib
 from collections.abc import Iterable
 
-from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, WEIGHT_ONE, CostRow, Plan, is_newer_epoch
+from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, WEIGHT_ONE, CostRow, Plan, Task, is_newer_epoch
+from swarm_msgs_py.plan_goals import is_contour
 from swarm_msgs_py.types import NodeId
 
 EARLY_MAX = 1000
@@ -34,9 +35,13 @@ class RowBook:
         """Epoch of the plan held, 0 for none."""
         return self.plan.epoch if self.plan is not None else 0
 
+    def is_news(self, plan: Plan) -> bool:
+        """Return whether a plan is newer than the one held, and not absurd."""
+        return is_newer_epoch(plan.epoch, self.epoch) and _is_sound(plan)
+
     def adopt(self, plan: Plan) -> bool:
-        """Take a newer plan, forget the rows of the old one; return whether it was newer (and not absurd)."""
-        if not is_newer_epoch(plan.epoch, self.epoch) or not _is_sound(plan):
+        """Take a newer plan, forget the rows of the old one; return whether it was news."""
+        if not self.is_news(plan):
             return False
         self.plan = plan
         self._rows = {}
@@ -121,7 +126,8 @@ class RowBook:
 
 def _is_sound(plan: Plan) -> bool:
     """Return whether a plan is one that a robot can follow: somewhere to go, and no obstacle without a corner."""
-    return len(plan.goals) > 0 and all(map(len, plan.obstacles))
+    has_place = len(plan.goals) > 0 if plan.task is Task.GOALS else is_contour(plan.contour)
+    return has_place and all(map(len, plan.obstacles))
 
 
 def _fingerprint(row: CostRow) -> int:

@@ -1,4 +1,4 @@
-"""What varies between formation methods on the robot: where it should be, given what it knows."""
+"""What varies between formation methods on the robot: where to, or how it should move, given what it knows."""
 
 from __future__ import annotations
 
@@ -18,23 +18,28 @@ class Decision:
     goal : int
         Goal id in the plan, -1 for none.
     destination : (2,) array or None
-        Where to drive [m]; None to stand still.
+        Where to drive [m]; None to stand still, or to move as `velocity` says.
     mode : Mode
         What the robot is doing, as far as the decision knows (it may turn out to be parked or blocked).
     obstacles : tuple of (m, 2) array
         Map to plan the path on [m].
+    velocity : (2,) array or None
+        How to move, world frame [m/s], where no place is wanted but a motion. Collision avoidance has the last word.
     """
 
     goal: int
     destination: FloatArray | None
     mode: Mode
     obstacles: tuple[FloatArray, ...]
+    velocity: FloatArray | None = None
 
 
 class Strategy(Protocol):
-    """Decides where the robot should be, once per tick."""
+    """Decides where the robot should be or how it should move, once per tick."""
 
-    def step(self, tick: int, position: FloatArray, takes_part: bool = True, is_blocked: bool = False) -> Decision:
+    def step(
+        self, tick: int, position: FloatArray, sigma: float, takes_part: bool = True, is_blocked: bool = False
+    ) -> Decision:
         """Return the decision for this tick.
 
         Parameters
@@ -42,8 +47,10 @@ class Strategy(Protocol):
         tick : int
         position : (2,) array
             The robot's own estimate [m].
+        sigma : float
+            Its standard deviation, per axis [m].
         takes_part : bool
-            Whether the robot is there for a goal; if not, it withdraws until it is again.
+            Whether the robot is there for the formation; if not, it withdraws until it is again.
         is_blocked : bool
             Whether the robot is hardly getting on, for what is in its way.
         """

@@ -72,9 +72,8 @@ class SharingForceConfig(Config):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceConfig(Config):
-    """Method A: which law, and how its forces become a velocity."""
+    """Method A: how forces become a velocity, and the tuning of both laws; which of them acts, the plan says."""
 
-    law: ForceLawName = setting(ForceLawName.SHARING, "force law")
     speed_max_m_s: float = setting(0.5, "speed under a force of f_sat or more (thesis 4.3)", unit="m/s", above=0.0)
     f_sat: float = setting(1500.0, "force of full speed, in the units of the thesis' gains (spec 8.2)", above=0.0)
     substep_s: float = setting(

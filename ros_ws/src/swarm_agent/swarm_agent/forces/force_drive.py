@@ -14,6 +14,8 @@ _TINY = 1e-12
 _REST_SIGMAS, _WAKE_SIGMAS = 1.0, 4.0
 """Speeds per standard deviation of the position [1/s] below which resting and starting again would follow its noise:
 both laws answer a displacement of a meter with about 1 m/s."""
+_REST_SHARE, _WAKE_SHARE = 0.25, 0.75
+"""Shares of the top speed that those speeds do not exceed: however unsure a robot is, far from its place it drives."""
 
 
 class ForceDrive:
@@ -80,8 +82,9 @@ class ForceDrive:
             places = places + pause * self._velocities(law.evaluate(places, radii, around))
         mean = (places - positions) / self._period
         speeds = np.hypot(mean[:, 0], mean[:, 1])
-        rest = max(self._config.rest_m_s, _REST_SIGMAS * sigma)
-        wake = max(self._config.wake_m_s, _WAKE_SIGMAS * sigma)
+        top = self._config.speed_max_m_s
+        rest = max(self._config.rest_m_s, min(_REST_SIGMAS * sigma, _REST_SHARE * top))
+        wake = max(self._config.wake_m_s, min(_WAKE_SIGMAS * sigma, _WAKE_SHARE * top))
         self._resting = speeds < np.where(self._resting, wake, rest)
         velocities: FloatArray = np.where(self._resting[:, None], 0.0, mean)
         return velocities

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from swarm_agent.planning.path_planner import PathPlanner
+from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.partition.free_region import FreeRegion, free_region
 from swarm_msgs_py.types import FloatArray
 
@@ -72,6 +73,15 @@ class Ground:
 
 
 def _widest(contour: FloatArray, inset: float) -> FreeRegion:
-    """Return the inset of a contour, or the deepest one that leaves something of it."""
-    regions = (free_region(contour, (), share * inset, 0.0, 0.0) for share in _SHARES)
-    return next(region for region in regions if not region.is_empty)
+    """Return the inset of a contour, or the deepest one that leaves something of it.
+
+    Raises
+    ------
+    ShapeError
+        If there is nothing inside the contour.
+    """
+    for share in _SHARES:
+        region = free_region(contour, (), share * inset, 0.0, 0.0)
+        if not region.is_empty:
+            return region
+    raise ShapeError("there is nothing inside the contour")

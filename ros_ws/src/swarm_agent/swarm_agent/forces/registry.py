@@ -1,4 +1,4 @@
-"""The force law of given settings, shape and obstacles; robots in one process share it."""
+"""The force law of a name, settings, shape and obstacles; robots in one process share it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,17 @@ LAWS_KEPT = 8  # shapes and maps in use at one time; a moving shape makes a new 
 
 
 def law_for(
-    config: ForceConfig, contour: FloatArray, obstacles: tuple[FloatArray, ...], planning: PlanningConfig
+    name: ForceLawName,
+    config: ForceConfig,
+    contour: FloatArray,
+    obstacles: tuple[FloatArray, ...],
+    planning: PlanningConfig,
 ) -> ForceLaw:
-    """Return the force law that the settings name; equal content gives the same object.
+    """Return the force law of a name; equal content gives the same object.
 
     Parameters
     ----------
+    name : ForceLawName
     config : ForceConfig
     contour : (k, 2) array
         Desired shape, simple and counter-clockwise [m].
@@ -31,7 +36,7 @@ def law_for(
     planning : PlanningConfig
         How far paths keep from obstacles.
     """
-    return _law(config, _bytes(contour), tuple(_bytes(obstacle) for obstacle in obstacles), planning)
+    return _law(name, config, _bytes(contour), tuple(_bytes(obstacle) for obstacle in obstacles), planning)
 
 
 def _bytes(points: FloatArray) -> bytes:
@@ -39,8 +44,10 @@ def _bytes(points: FloatArray) -> bytes:
 
 
 @lru_cache(maxsize=LAWS_KEPT)
-def _law(config: ForceConfig, contour: bytes, obstacles: tuple[bytes, ...], planning: PlanningConfig) -> ForceLaw:
+def _law(
+    name: ForceLawName, config: ForceConfig, contour: bytes, obstacles: tuple[bytes, ...], planning: PlanningConfig
+) -> ForceLaw:
     shape, *outlines = (np.frombuffer(raw, dtype=np.float64).reshape(-1, 2) for raw in (contour, *obstacles))
-    if config.law is ForceLawName.LITERAL:
+    if name is ForceLawName.LITERAL:
         return LiteralLaw(config.literal, shape, outlines, config.substep_s)
     return SharingLaw(config, shape, outlines, planning)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from swarm_agent.forces.config import ForceConfig
+from swarm_agent.forces.config import ForceConfig, ForceLawName
 from swarm_agent.forces.force_drive import ForceDrive
 from swarm_agent.forces.force_law import ForceLaw, Others
 from swarm_agent.forces.registry import law_for
@@ -24,6 +24,8 @@ class ForceStrategy:
 
     Parameters
     ----------
+    name : ForceLawName
+        Law that drives the robot.
     config : ForceConfig
     planning : PlanningConfig
         How far paths keep from obstacles.
@@ -35,14 +37,16 @@ class ForceStrategy:
         Control period [s].
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 - a law, its settings, and who the robot is
         self,
+        name: ForceLawName,
         config: ForceConfig,
         planning: PlanningConfig,
         robot_type: RobotType,
         radii: Mapping[int, float],
         period_s: float,
     ) -> None:
+        self._name = name
         self._config = config.at_period(period_s)
         self._planning = planning
         self._radius = robot_type.coverage_radius_m
@@ -98,7 +102,7 @@ class ForceStrategy:
     def _law_of(self, contour: FloatArray, obstacles: tuple[FloatArray, ...]) -> ForceLaw:
         """Return the law of the shape and the map in force; looked up only when these are other ones."""
         if self._law is None or contour is not self._contour or obstacles is not self._obstacles:
-            self._law = law_for(self._config, contour, obstacles, self._planning)
+            self._law = law_for(self._name, self._config, contour, obstacles, self._planning)
             self._contour, self._obstacles = contour, obstacles
         return self._law
 

@@ -15,10 +15,11 @@ from swarm_agent.agent import Agent
 from swarm_agent.config import AgentConfig
 from swarm_agent.input_assembler import InputAssembler
 from swarm_msgs_py import topics
-from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.frames import pack_batch
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.messages.sensing import PositionFix
+from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
 from swarm_msgs_py.ros.spin import run_node
@@ -48,6 +49,9 @@ class AgentIdentity(Config):
     start_y_m: float = setting(0.0, "where the robot stands at the start, with start_sigma_m", unit="m")
     start_sigma_m: float = setting(
         0.0, "standard deviation of that, per axis; 0: the start is not known", unit="m", minimum=0.0
+    )
+    partition: PartitionConfig = section(
+        PartitionConfig, "how to find the goals that a plan leaves to the robots: as the mission computer has it"
     )
 
     @property
@@ -142,7 +146,8 @@ def _from_parameters(context: Context) -> AgentNode:
         identity = parameters.declare_config(reader, AgentIdentity())
         config = parameters.declare_config(reader, AgentConfig())
     robot = NodeId(identity.robot)
-    agent = Agent(robot, config, THESIS_TYPES[identity.type - 1], identity.period_s, start=identity.start)
+    kind, tuning = THESIS_TYPES[identity.type - 1], identity.partition
+    agent = Agent(robot, config, kind, identity.period_s, start=identity.start, partition=tuning)
     node = AgentNode(agent, robot, identity.period_s, context=context)
     parameters.declare_config(node, identity)
     parameters.declare_config(node, config)

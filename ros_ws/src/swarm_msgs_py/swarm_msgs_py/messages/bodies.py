@@ -5,7 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from swarm_msgs_py.partition.config import Method
+from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+
+
+class Task(Enum):
+    """What a plan asks of the robots."""
+
+    GOALS = "goals"  # to share out the goals that the plan names
+    PARTITION = "partition"  # to find the goals from the shape, each robot by itself, and to share them out
+    FORCES = "forces"  # to let the forces of shape, neighbors and obstacles drive them: no goals, own force law
+    FORCES_LITERAL = "forces-literal"  # likewise under the thesis' force law
+
+    @property
+    def has_goals(self) -> bool:
+        """Whether robots that do this have goals."""
+        return self in {Task.GOALS, Task.PARTITION}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,12 +37,21 @@ class Plan:
     obstacles : tuple of (m, 2) array
         Polygons that robots and radio links cannot cross [m].
     goals : (n, 2) array
-        Goal positions [m]; the row number is the goal's id.
+        Goal positions [m]; the row number is the goal's id. On the air only if the task is `Task.GOALS`; in a plan for
+        `Task.PARTITION` they are there once the plan is completed (`swarm_msgs_py.plan_goals.completed`).
     goal_types : (n,) int array
         Type of robot that each goal is made for.
     bodies : int
         How many of the obstacles, the last ones, are bodies of lost robots. They are about there; a wall stands where
         the map has it.
+    task : Task
+        What the robots are to do.
+    roster : Roster or None
+        For whom the shape is; None in a plan that names the goals, which says it by them.
+    method : Method or None
+        Of the partition, for `Task.PARTITION`.
+    goals_crc : int
+        For `Task.PARTITION`, the checksum of the goals that the mission computer found.
     """
 
     epoch: int
@@ -35,6 +60,15 @@ class Plan:
     goals: FloatArray
     goal_types: IntArray
     bodies: int = 0
+    task: Task = Task.GOALS
+    roster: Roster | None = None
+    method: Method | None = None
+    goals_crc: int = 0
+
+    @property
+    def robot_count(self) -> int:
+        """How many robots the plan is for."""
+        return self.roster.size if self.roster is not None else len(self.goals)
 
     @property
     def walls(self) -> tuple[FloatArray, ...]:

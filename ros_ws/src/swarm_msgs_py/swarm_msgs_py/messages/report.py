@@ -15,8 +15,8 @@ class Mode(IntEnum):
     WAITING = 0  # no position yet
     SEARCHING = 1  # no plan heard: drives to the rally point, where the mission computer's radio is
     UNASSIGNED = 2  # holds a plan, but no goal: the rows are not complete, or every goal is better taken by another
-    TRAVELING = 3  # on its way to its goal
-    PARKED = 4  # at its goal
+    TRAVELING = 3  # on its way to its goal, or driven by forces
+    PARKED = 4  # at its goal; in a formation without goals, at rest inside the shape
     BLOCKED = 5  # on its way, but hardly getting on: asks its neighbors to make way
     RETURN_HOME = 6  # lost for too long: drives to the middle of the shape, where beacons are
 
@@ -84,6 +84,9 @@ class AgentReport:
     rows : int
         Cost rows held for the plan.
     counters : RadioCounters
+    goals_crc : int
+        Checksum of the goals in the plan held (`swarm_msgs_py.plan_goals.goals_crc`), 0 for none. Robots that found
+        their goals by themselves found the same ones if it is the same.
     """
 
     position: FloatArray
@@ -100,6 +103,7 @@ class AgentReport:
     routes: int
     rows: int
     counters: RadioCounters
+    goals_crc: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from swarm_msgs_py.config import Config, setting
+
+
+class NetworkModel(Enum):
+    """How packets get from node to node."""
+
+    MESH = "mesh"
+    """Over several hops, by flooding and DSDV routes."""
+    IDEAL = "ideal"
+    """At once, to everybody: only for radios that all hear each other and lose nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NetworkConfig(Config):
     """Timing and bounds of neighbour discovery, DSDV routing and packet delivery (spec section 5.3)."""
 
+    model: NetworkModel = setting(
+        NetworkModel.MESH,
+        "mesh: over several hops; ideal: everybody hears everybody, as sim.radio.model ideal sets it for a run",
+    )
     full_dump_period_s: float = setting(
         3.0,
         "time between advertisements of the whole route table (spec 5.3, rule 2)",

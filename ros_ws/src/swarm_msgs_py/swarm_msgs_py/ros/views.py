@@ -107,6 +107,7 @@ def status(robot: NodeId, seconds: float, report: AgentReport) -> DiagnosticArra
         "beacons": report.beacons,
         "routes": report.routes,
         "rows": report.rows,
+        "goals_crc": f"{report.goals_crc:08x}",
         "frames_sent": counters.frames_sent,
         "frames_heard": counters.frames_heard,
         "bytes_sent": counters.bytes_sent,

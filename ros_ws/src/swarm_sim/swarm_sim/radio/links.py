@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarm_msgs_py.types import FloatArray
+from swarm_sim.config import RadioConfig, RadioModel
 from swarm_sim.world.obstacles import ObstacleField
 
 
@@ -27,6 +29,14 @@ class LinkTable:
     distances: FloatArray
 
 
+class Links(Protocol):
+    """Who hears whom, by where they are."""
+
+    def evaluate(self, positions: FloatArray, alive: NDArray[np.bool_]) -> LinkTable:
+        """Return the links of radios at `positions` (n, 2) [m] of which `alive` (n,) are on."""
+        ...
+
+
 class LinkModel:
     """Two live radios hear each other if they are closer than the range and no obstacle is between them.
 
@@ -43,10 +53,31 @@ class LinkModel:
 
     def evaluate(self, positions: FloatArray, alive: NDArray[np.bool_]) -> LinkTable:
         """Return the links of radios at `positions` (n, 2) [m] of which `alive` (n,) are on."""
-        x, y = positions.T
-        distances = np.hypot(x[:, None] - x, y[:, None] - y)
+        distances = _distances(positions)
         first, second = np.nonzero(np.triu((distances < self._range) & alive & alive[:, None], k=1))
         is_free = ~self._obstacles.is_blocked(positions[first], positions[second])
         connected = np.zeros(distances.shape, dtype=np.bool_)
         connected[first, second] = connected[second, first] = is_free
         return LinkTable(connected, distances)
+
+
+class EverybodyHears:
+    """Any two live radios hear each other."""
+
+    def evaluate(self, positions: FloatArray, alive: NDArray[np.bool_]) -> LinkTable:
+        """Return the links of radios at `positions` (n, 2) [m] of which `alive` (n,) are on."""
+        connected = alive & alive[:, None]
+        np.fill_diagonal(connected, val=False)
+        return LinkTable(connected, _distances(positions))
+
+
+def make_links(config: RadioConfig, obstacles: ObstacleField) -> Links:
+    """Return the links that the settings ask for."""
+    return EverybodyHears() if config.model is RadioModel.IDEAL else LinkModel(config.range_m, obstacles)
+
+
+def _distances(positions: FloatArray) -> FloatArray:
+    """Return the distances between all positions, (n, n) [m]."""
+    x, y = positions.T
+    distances: FloatArray = np.hypot(x[:, None] - x, y[:, None] - y)
+    return distances

@@ -81,7 +81,7 @@ class SteppedWorld(Protocol):
         ...
 
     def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that have died because the scenario says so."""
+        """Return, once, the nodes that have died because the scenario says so."""
         ...
 
 
@@ -139,9 +139,9 @@ class Lockstep:
         """Run one tick, from publishing to the report."""
         start = self._wait_for_start()
         self._world.begin()
-        for robot in self._world.take_died():
-            self._lost.add(robot)
-            self._alerts.append(death_line(robot))
+        for node in self._world.take_died():
+            self._lost.add(node)
+            self._alerts.append(death_line(node))
         self._await_answers(start)
         for robot in self._world.take_killed():
             self._lost.add(robot)

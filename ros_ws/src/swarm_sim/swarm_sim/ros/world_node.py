@@ -78,6 +78,7 @@ class WorldNode(Node):
         self._book = AnswerBook((*simulation.robots, MISSION))
         self._killed: list[NodeId] = []
         self._died: list[NodeId] = []
+        self._is_mission_on = True
         self.answered, self.is_paused = Future(), False
         self._clock_topic = channels.publisher(self, topics.CLOCK)
         self._truth = views.View(self, topics.TRUTH)
@@ -107,15 +108,17 @@ class WorldNode(Node):
     def begin(self) -> None:
         """Publish everything that belongs to the current tick."""
         seen = self._simulation.observe()
-        for robot in self._simulation.take_died():
-            self._died.append(robot)
-            self._book.remove(robot)
+        for node in self._simulation.take_died():
+            self._died.append(node)
+            self._book.remove(node)
+            self._is_mission_on &= node != MISSION
         self.answered = Future()
         self._book.open(seen.tick)
         stamp = cdr.stamp(seen.time)
         self._clock_topic.publish(Clock(clock=views.time_message(seen.time)))
-        batch = pack_batch(seen.tick, Parts.NONE, seen.mission.inbox)
-        self._mission_rx.publish(convert.encode_batch(batch))  # first, for the plan takes it longest
+        if self._is_mission_on:
+            batch = pack_batch(seen.tick, Parts.NONE, seen.mission.inbox)
+            self._mission_rx.publish(convert.encode_batch(batch))  # first, for the plan takes it longest
         for robot, inputs in seen.agents.items():
             self._publish_senses(robot, stamp, inputs)
         self._check()
@@ -140,7 +143,7 @@ class WorldNode(Node):
         return killed
 
     def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that have died because the scenario says so."""
+        """Return, once, the nodes that have died because the scenario says so."""
         died, self._died = tuple(self._died), []
         return died
 

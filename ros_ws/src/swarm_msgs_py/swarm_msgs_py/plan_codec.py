@@ -1,0 +1,165 @@
+"""Plans as bytes.
+
+The places in a plan are ``uint16`` steps from the plan's least x and y; a step is a centimeter, in a plan more than
+655 m wide the least power of two of centimeters that covers it. The plan is by far the longest body, and every radio
+waits for it: this halves it. A plan whose goals the robots find for themselves, or that has none, says instead for whom
+it is: 5 bytes per type of robot instead of 5 per goal.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import numpy as np
+
+from swarm_msgs_py.binary import COORDINATE_MAX, Reader, checked, frozen, packed, packed_integers
+from swarm_msgs_py.errors import ConfigError, FrameError
+from swarm_msgs_py.messages.bodies import Plan, Task
+from swarm_msgs_py.partition.config import Method
+from swarm_msgs_py.roster import Roster, TypeGroup
+from swarm_msgs_py.types import FloatArray, IntArray
+
+_HEAD = struct.Struct("<IHHHBBii")  # epoch; contour, obstacles, bodies; task, log2 of the step [cm]; origin
+_COUNT = struct.Struct("<H")
+_GROUPS = struct.Struct("<B")
+_GROUP = struct.Struct("<BHH")  # type, robots, radius [mm]
+_PARTITION = struct.Struct("<BI")  # method, checksum of the goals
+_CM_PER_M, _MM_PER_M = 100.0, 1000.0
+_OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
+_DOUBLINGS_MAX = 16
+_ROUNDING = 1e-6  # [mm]; what was decoded is encoded as the same number
+_TASKS, _METHODS = tuple(Task), tuple(Method)  # they travel as their numbers in this order
+
+ROBOTS_MAX = 1000
+"""Robots that a roster on the air may have: every robot computes a goal for each of them."""
+
+_NO_GOALS, _NO_TYPES = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+_NO_GOALS.flags.writeable = _NO_TYPES.flags.writeable = False
+
+
+def encode_plan(plan: Plan) -> bytes:
+    """Return the fields of a plan as bytes.
+
+    Raises
+    ------
+    FrameError
+        If a value does not fit the format, or something is missing that the task needs.
+    """
+    if len(plan.goal_types) != len(plan.goals):
+        raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
+    _check_bodies(plan.bodies, len(plan.obstacles))
+    named = plan.goals if plan.task is Task.GOALS else _NO_GOALS
+    groups = (plan.contour, *plan.obstacles, named)
+    doublings, steps = _in_steps(checked(np.concatenate([np.reshape(group, (-1, 2)) for group in groups])))
+    origin = steps.min(axis=0) if len(steps) else np.zeros(2, dtype=np.int64)
+    contour, *obstacles, goals = np.split(steps - origin, np.cumsum([len(group) for group in groups])[:-1])
+    counts = len(contour), len(obstacles), plan.bodies
+    head = packed(_HEAD, plan.epoch, *counts, _TASKS.index(plan.task), doublings, *origin.tolist())
+    parts = [head, packed_integers(contour, "<u2")]
+    for obstacle in obstacles:
+        parts += [packed(_COUNT, len(obstacle)), packed_integers(obstacle, "<u2")]
+    if plan.task is Task.GOALS:
+        parts += [packed(_COUNT, len(goals)), packed_integers(goals, "<u2"), packed_integers(plan.goal_types, "<u1")]
+    else:
+        parts.append(_encode_roster(plan))
+    if plan.task is Task.PARTITION:
+        if plan.method is None:
+            raise FrameError("a plan to partition a shape without the method")
+        parts.append(packed(_PARTITION, _METHODS.index(plan.method), plan.goals_crc))
+    return b"".join(parts)
+
+
+def decode_plan(reader: Reader) -> Plan:
+    """Return the plan that comes next.
+
+    Raises
+    ------
+    FrameError
+        If it is none.
+    """
+    epoch, corners, obstacles, bodies, number, doublings, *origin = reader.fields(_HEAD)
+    _check_bodies(bodies, obstacles)
+    if number >= len(_TASKS):
+        raise FrameError(f"unknown task: {number}")
+    if doublings > _DOUBLINGS_MAX:
+        raise FrameError(f"a step of 2^{doublings} cm")
+
+    def points(count: int) -> FloatArray:
+        steps = np.array(origin) + reader.array("<u2", 2 * count).astype(np.int64).reshape(count, 2)
+        return frozen(checked(steps * 2**doublings / _CM_PER_M))
+
+    contour = points(corners)
+    polygons = tuple(points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
+    task = _TASKS[number]
+    if task is Task.GOALS:
+        (goals,) = reader.fields(_COUNT)
+        places = points(goals)
+        return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)), bodies)
+    roster, method, crc = _decode_roster(reader), None, 0
+    if task is Task.PARTITION:
+        method_number, crc = reader.fields(_PARTITION)
+        if method_number >= len(_METHODS):
+            raise FrameError(f"unknown partition method: {method_number}")
+        method = _METHODS[method_number]
+    return Plan(epoch, contour, polygons, _NO_GOALS, _NO_TYPES, bodies, task, roster, method, crc)
+
+
+def shortening(plan: Plan) -> str:
+    """Return what makes a plan long, and what to do about it."""
+    corners = sum(map(len, plan.obstacles))
+    goals = f"{len(plan.goals)} goals of 5 bytes, " if plan.task is Task.GOALS else ""
+    remedy = "use fewer goals, or simplify" if goals else "simplify"
+    return (
+        f"it has {goals}{len(plan.contour)} contour points of 4, and {len(plan.obstacles)} obstacles with {corners} "
+        f"corners of 4: {remedy} the contour or the obstacles"
+    )
+
+
+def _encode_roster(plan: Plan) -> bytes:
+    """Return for whom a plan is; radii are rounded up to millimeters, so that nobody is larger than it says."""
+    if plan.roster is None:
+        raise FrameError(f"a plan to do '{plan.task.value}' without a roster")
+    _check_size(plan.roster)
+    groups = plan.roster.groups
+    parts = [packed(_GROUPS, len(groups))]
+    for group in groups:
+        radius = math.ceil(group.coverage_radius_m * _MM_PER_M - _ROUNDING)
+        parts.append(packed(_GROUP, group.type, group.count, radius))
+    return b"".join(parts)
+
+
+def _decode_roster(reader: Reader) -> Roster:
+    (count,) = reader.fields(_GROUPS)
+    rows = [reader.fields(_GROUP) for _ in range(count)]
+    try:
+        groups = (TypeGroup(type=t, count=n, coverage_radius_m=radius / _MM_PER_M) for t, n, radius in rows)
+        roster = Roster(groups=tuple(groups))
+    except ConfigError as error:
+        raise FrameError(f"a roster that is none: {error}") from None
+    _check_size(roster)
+    return roster
+
+
+def _check_size(roster: Roster) -> None:
+    if roster.size > ROBOTS_MAX:
+        raise FrameError(f"a roster of {roster.size} robots; the air carries at most {ROBOTS_MAX}")
+
+
+def _check_bodies(bodies: int, obstacles: int) -> None:
+    if not 0 <= bodies <= obstacles:
+        raise FrameError(f"{bodies} bodies among {obstacles} obstacles")
+
+
+def _in_steps(points: FloatArray) -> tuple[int, IntArray]:
+    """Return how often a centimeter is doubled to make a step, and points in steps; the same for points so rounded."""
+    for doublings in range(_DOUBLINGS_MAX + 1):
+        per_m = _CM_PER_M / 2**doublings
+        limit = math.floor(COORDINATE_MAX * per_m)  # rounding must not lead beyond what may be decoded
+        steps = np.clip(np.rint(points * per_m), -limit, limit).astype(np.int64)
+        extent = int(np.ptp(steps, axis=0).max()) if len(steps) else 0
+        if extent <= _OFFSET_MAX:
+            break
+    if doublings and 2 * extent <= _OFFSET_MAX:  # rounding has made it just narrow enough for steps half as long
+        return doublings - 1, 2 * steps
+    return doublings, steps
