@@ -113,7 +113,7 @@ def _draw(steps: FloatArray, parts: dict[str, FloatArray], file: Path) -> None:
     inner = {name.removeprefix("- "): micros for name, micros in parts.items() if name.startswith("- ")}
     right.barh(list(inner), [micros.sum() / len(steps) / 1e3 for micros in inner.values()], color=BLUE)
     right.invert_yaxis()
-    right.set_xlabel("mean time per step [ms], with all timers running")
+    right.set_xlabel("mean time per step [ms]")
     right.set_title("where it goes", fontsize=10)
     save(figure, file)
 
