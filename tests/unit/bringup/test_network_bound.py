@@ -9,6 +9,7 @@ from bringup.resolution import network_of, resolve
 from bringup.scenario import Scenario
 from bringup.scenario_file import Origin, load_scenario, parse_assignment
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.types import NodeId
 
 
 def smoke(*settings: str) -> tuple[Scenario, Origin]:

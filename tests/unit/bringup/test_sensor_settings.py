@@ -8,6 +8,7 @@ from bringup.compose import ScenarioActors
 from bringup.resolution import resolve
 from bringup.scenario_file import Override, load_scenario
 from swarm_agent.localization.config import LpsConfig, LpsMode
+from swarm_msgs_py.types import NodeId
 from swarm_sim.config import RangingConfig, RangingModel
 
 

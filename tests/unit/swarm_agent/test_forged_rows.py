@@ -101,8 +101,8 @@ def test_a_robot_whose_versions_are_used_up_keeps_its_last_row() -> None:
 def test_rows_of_more_robots_than_there_can_be_are_not_kept() -> None:
     mind = make_mind(goals=1)
     crowd = [CostRow(1, NodeId(robot), 1, 1, np.empty(0, dtype=np.int64)) for robot in range(ROWS_MAX + 500)]
-    for first in range(0, len(crowd), 5000):
-        tell(mind, RowBundle(tuple(crowd[first : first + 5000])))
+    for first in range(0, len(crowd), 4500):
+        tell(mind, RowBundle(tuple(crowd[first : first + 4500])))
 
     assert len(mind.book) == ROWS_MAX
     tell(mind, make_row(7, 1, version=2))  # of one that is known

@@ -17,7 +17,7 @@ from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epo
 from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import MissionReport, Mode
 from swarm_msgs_py.networking.config import NetworkConfig
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import make_network
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
@@ -58,7 +58,7 @@ class Mission:
         self._config = config
         self._maker = PlanMaker(config.partition, roster, obstacles, bounds, config.asked)
         self._membership = Membership(config, [group.type for group in roster.groups])
-        self._network = MeshNetwork(MISSION, network, period_s)
+        self._network = make_network(MISSION, network, period_s)
         self._dissemination = Dissemination(config)
         self._ordered: FloatArray | None = shape
         self._plan: Plan | None = None

@@ -30,7 +30,7 @@ from swarm_msgs_py.messages.control import STOP, VelocityCommand
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
 from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode, Positioning
 from swarm_msgs_py.messages.sensing import PositionFix
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import make_network
 from swarm_msgs_py.orientation import rotation
 from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.plan_goals import goals_crc
@@ -79,7 +79,7 @@ class Agent:
         self._report_every = max(1, round(config.decision.report_period_s / period_s))
         self._localizer = Localizer(config.lps, period_s, start, obstacles)
         self._monitor = PositioningMonitor(config.lps, period_s)
-        self._mesh = MeshNetwork(robot, config.network, period_s)
+        self._mesh = make_network(robot, config.network, period_s)
         self._consensus = Consensus(robot, robot_type.type, config.decision, period_s, partition)
         self._energy = EnergyStore(config.energy, period_s)
         goals = GoalSeeking(

@@ -28,7 +28,7 @@ from swarm_msgs_py.messages.bodies import (
     is_newer_epoch,
 )
 from swarm_msgs_py.messages.radio import Delivery
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.plan_goals import completed, goals_crc
 from swarm_msgs_py.types import EVERYONE, IntArray, NodeId, robot_name
@@ -96,7 +96,7 @@ class Consensus:
         """The newest plan heard, with the goals that it leaves the robots to find."""
         return self.book.plan
 
-    def receive(self, tick: int, deliveries: Sequence[Delivery], mesh: MeshNetwork) -> None:
+    def receive(self, tick: int, deliveries: Sequence[Delivery], mesh: Network) -> None:
         """Merge what the mesh delivered; answer requests of neighbors."""
         self._bundles_left = BUNDLES_PER_TICK
         asking: list[NodeId] = []
@@ -122,7 +122,7 @@ class Consensus:
                 self._answer(tick, delivery.origin, body, mesh)
         self._hand_on(tick, asking, mesh)
 
-    def offer(self, tick: int, costs: IntArray, mesh: MeshNetwork, weight: int = WEIGHT_ONE) -> None:
+    def offer(self, tick: int, costs: IntArray, mesh: Network, weight: int = WEIGHT_ONE) -> None:
         """Publish this robot's own costs [cm] for the plan in force, and its weight; nothing after the last version."""
         version = self.book.version_of(self._robot) + 1
         if version > VERSION_MAX:
@@ -132,7 +132,7 @@ class Consensus:
         self._note(tick, changed=self.book.put(row))
         mesh.flood(encode_body(row))
 
-    def repair(self, tick: int, mesh: MeshNetwork) -> None:
+    def repair(self, tick: int, mesh: Network) -> None:
         """Ask one neighbor for what it holds and this robot lacks, if there is such a neighbor."""
         epoch, digest = self.book.epoch, self.book.digest
         others = {n: its for n, its in mesh.neighbors.items() if its.epoch != epoch or its.digest != digest}
@@ -184,7 +184,7 @@ class Consensus:
             )
         return whole
 
-    def _hand_on(self, tick: int, asking: Sequence[NodeId], mesh: MeshNetwork) -> None:
+    def _hand_on(self, tick: int, asking: Sequence[NodeId], mesh: Network) -> None:
         """Give the plan to who has asked for it, but not to somebody who has just been given it: it is on its way.
 
         Where two parts of a network meet, all of the one part may ask the first robot of it that has the plan of the
@@ -204,7 +204,7 @@ class Consensus:
             mesh.send(node, body)
             self._handed_on[node] = tick
 
-    def _answer(self, tick: int, asker: NodeId, request: RowRequest, mesh: MeshNetwork) -> None:
+    def _answer(self, tick: int, asker: NodeId, request: RowRequest, mesh: Network) -> None:
         if self.book.plan is None or request.epoch > self.book.epoch:
             return
         held = request.held if request.epoch == self.book.epoch else ()

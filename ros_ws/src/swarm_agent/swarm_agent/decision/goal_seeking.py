@@ -16,7 +16,7 @@ from swarm_agent.energy import EnergyStore
 from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.bodies import Objective, Plan
 from swarm_msgs_py.messages.report import Mode
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
@@ -30,7 +30,7 @@ class GoalSeeking:
         Who decides, and its type.
     config, planning
         Settings of the decision and of the path costs.
-    mesh : MeshNetwork
+    mesh : Network
         The robot's radio network, which carries the rows.
     consensus : Consensus
         The robot's copy of plan and rows.
@@ -49,7 +49,7 @@ class GoalSeeking:
         *,
         config: DecisionConfig,
         planning: PlanningConfig,
-        mesh: MeshNetwork,
+        mesh: Network,
         consensus: Consensus,
         energy: EnergyStore,
         obstacles: tuple[FloatArray, ...],

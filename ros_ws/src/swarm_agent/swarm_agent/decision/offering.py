@@ -27,7 +27,7 @@ from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.path_costs import CM_PER_M, PathCosts, dearer
 from swarm_agent.energy import EnergyStore
 from swarm_msgs_py.messages.bodies import UNREACHABLE, WEIGHT_MAX, WEIGHT_ONE, Objective, Plan
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 
@@ -51,7 +51,7 @@ class RowOffers:
         Of its type.
     energy : EnergyStore
         What the robot has left.
-    mesh : MeshNetwork
+    mesh : Network
         The robot's radio network, which carries the rows.
     consensus : Consensus
         The robot's copy of plan and rows.
@@ -66,7 +66,7 @@ class RowOffers:
         config: DecisionConfig,
         paths: PathCosts,
         energy: EnergyStore,
-        mesh: MeshNetwork,
+        mesh: Network,
         consensus: Consensus,
         period_s: float,
     ) -> None:

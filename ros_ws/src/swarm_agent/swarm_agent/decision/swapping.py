@@ -20,7 +20,7 @@ from swarm_agent.decision.config import SwapConfig
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.path_costs import CM_PER_M, PathCosts
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 DOUBLINGS_MAX = 4
@@ -37,7 +37,7 @@ class SwapOffers:
     config : SwapConfig
     paths : PathCosts
         Of its type.
-    mesh : MeshNetwork
+    mesh : Network
         Tells who is near.
     consensus : Consensus
         The robot's copy of plan and rows.
@@ -50,7 +50,7 @@ class SwapOffers:
         robot: NodeId,
         config: SwapConfig,
         paths: PathCosts,
-        mesh: MeshNetwork,
+        mesh: Network,
         consensus: Consensus,
         period_s: float,
     ) -> None:

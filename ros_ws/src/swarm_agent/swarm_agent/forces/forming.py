@@ -12,7 +12,7 @@ from swarm_agent.forces.strategy import ForceStrategy
 from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.bodies import Plan, Task
 from swarm_msgs_py.messages.report import Mode
-from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.plan_goals import GEOMETRY_ERRORS
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
@@ -33,7 +33,7 @@ class ForceForming:
     config : ForceConfig
     planning : PlanningConfig
         How far paths keep from obstacles.
-    mesh : MeshNetwork
+    mesh : Network
         The robot's radio network, whose hellos tell where the neighbors are.
     period_s : float
         Control period [s].
@@ -46,7 +46,7 @@ class ForceForming:
         *,
         config: ForceConfig,
         planning: PlanningConfig,
-        mesh: MeshNetwork,
+        mesh: Network,
         period_s: float,
     ) -> None:
         self._robot = robot
