@@ -17,18 +17,16 @@ from statistics import fmean
 from time import process_time
 
 import numpy as np
-import shapely
 
 from mission_computer.shape import load_shape
 from swarm_msgs_py.partition import Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain
-from swarm_msgs_py.partition.lattice_starts import lattice_starts
 from swarm_msgs_py.partition.method import METHODS
-from swarm_msgs_py.partition.own_frame import OwnFrame
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
+from swarm_sim.metrics.controls import hexagonal_lattices, random_points
 from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 
 FORMATIONS = ("formation_1", "formation_2", "formation_3", "formation_4")
@@ -102,10 +100,10 @@ def _measured(shape: str, turns: int, seeds: int) -> dict[str, list[Sample]]:
                 if centers is None:
                     sys.exit(f"{method.value} found no room in {shape}")
                 found.setdefault(method.value, []).append(_sample(domain, centers, spent))
-        for centers in _lattices(domain):
+        for centers in hexagonal_lattices(contour, len(domain.radii)):
             found.setdefault("(hexagonal lattice)", []).append(_sample(domain, centers, 0.0))
         for seed in range(seeds):
-            drawn = _random_points(domain, rng_for(seed, "control", turn))
+            drawn = random_points(contour, len(domain.radii), rng_for(seed, "control", turn))
             found.setdefault("(random points)", []).append(_sample(domain, drawn, 0.0))
     return found
 
@@ -119,27 +117,6 @@ def _configs(method: Method, seeds: int) -> Iterable[PartitionConfig]:
 
 def _sample(domain: Domain, centers: FloatArray, spent: float) -> Sample:
     return Sample(mesh_quality(centers, domain.radii, domain.contour), spent)
-
-
-def _lattices(domain: Domain) -> Iterable[FloatArray]:
-    """Return points of a hexagonal lattice inside the shape, as many as there are robots, in three directions."""
-    frame, count = OwnFrame(domain.contour), len(domain.radii)
-    shape = shapely.Polygon(frame.enter(domain.contour))
-    for number in range(3):
-        for shrinking in np.arange(1.0, 0.8, -0.005):
-            *_, points = lattice_starts(shape, float(shrinking) * domain.spacing, count, number + 1)
-            if shapely.contains_xy(shape, points).all():
-                yield frame.leave(points)
-                break
-
-
-def _random_points(domain: Domain, rng: np.random.Generator) -> FloatArray:
-    shape, points = shapely.Polygon(domain.contour), np.empty((0, 2))
-    low, high = domain.contour.min(axis=0), domain.contour.max(axis=0)
-    while len(points) < len(domain.radii):
-        drawn = rng.uniform(low, high, size=(len(domain.radii), 2))
-        points = np.concatenate([points, drawn[shapely.contains_xy(shape, drawn)]])
-    return points[: len(domain.radii)]
 
 
 def _print_ratios(samples: Samples) -> None:

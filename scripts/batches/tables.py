@@ -9,6 +9,7 @@ from itertools import groupby
 
 from batches.cells import Cell
 from batches.comparison import Comparison, Place
+from batches.controls import controls
 from batches.estimates import LEVEL, Estimate
 from batches.quantities import QUANTITIES, SHARE, Quantity
 
@@ -37,7 +38,8 @@ def as_markdown(comparison: Comparison, notes: Sequence[str] = ()) -> str:
         f"Each mean is over runs with different random starts and has an interval of {LEVEL:.0%} confidence: Student's "
         "t for means, Wilson's score for the achieved share. *runs*: those that have the number; a run that never "
         "settled has no settling time. *difference*: to the first method, run by run on equal starts, with Student's t "
-        "interval of the paired differences.",
+        "interval of the paired differences. In parentheses: what the mesh of robots would be that stood on a hexagonal "
+        "lattice cut out by the shape, and at random points of it.",
         *(f"**{note}**" for note in notes),
         *(_section(comparison, place) for place in comparison.places),
     ]
@@ -60,6 +62,11 @@ def as_csv(comparison: Comparison) -> str:
                 *map(_exact, paired),
             ]
         )
+    for place in comparison.places:
+        for quantity in ALL:
+            for name, found in _controls(comparison, place, quantity):
+                numbers = [found.mean, found.deviation, found.low, found.high, found.worst]
+                writer.writerow([*place, name, "", quantity.name, found.count, *map(_exact, numbers), "", "", "", ""])
     return text.getvalue()
 
 
@@ -75,11 +82,12 @@ def short_rows(comparison: Comparison) -> list[list[str]]:
 
 
 def _section(comparison: Comparison, place: Place) -> str:
-    rows = [
-        [quantity.label if is_first else "", *_row(cell, quantity, found, difference)]
-        for _, group in groupby(_numbers(comparison, place), key=lambda entry: entry[1].name)
-        for is_first, (cell, quantity, found, difference) in _marked(group)
-    ]
+    rows = []
+    for quantity, group in groupby(_numbers(comparison, place), key=lambda entry: entry[1]):
+        of_methods = [_row(cell.variant, quantity, found, difference) for cell, _, found, difference in group]
+        of_controls = [_row(name, quantity, found, None) for name, found in _controls(comparison, place, quantity)]
+        labels = [quantity.label, *[""] * (len(of_methods) + len(of_controls) - 1)]
+        rows += [[label, *row] for label, row in zip(labels, of_methods + of_controls, strict=True)]
     lines = [HEADER, ["---"] * len(HEADER), *rows]
     return "\n".join([f"## {place[0]}, {place[1]}", "", *(f"| {' | '.join(cells)} |" for cells in lines)])
 
@@ -97,13 +105,17 @@ def _numbers(comparison: Comparison, only: Place | None = None) -> Iterator[Entr
                     yield cell, quantity, found, comparison.difference(cell, quantity)
 
 
-def _marked(group: Iterator[Entry]) -> Iterator[tuple[bool, Entry]]:
-    return ((index == 0, entry) for index, entry in enumerate(group))
+def _controls(comparison: Comparison, place: Place, quantity: Quantity) -> Iterator[tuple[str, Estimate]]:
+    """Yield name and mean of each control that has a number; none where no robot stands in the shape by itself."""
+    for control in controls(comparison.at(place)[0]):
+        found = control.estimate(quantity)
+        if found is not None:
+            yield control.name, found
 
 
-def _row(cell: Cell, quantity: Quantity, found: Estimate, difference: Estimate | None) -> list[str]:
+def _row(name: str, quantity: Quantity, found: Estimate, difference: Estimate | None) -> list[str]:
     return [
-        cell.variant,
+        name,
         f"{found.mean:.4g}",
         NOTHING if found.deviation is None else f"{found.deviation:.3g}",
         _interval(found),

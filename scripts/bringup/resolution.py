@@ -37,6 +37,7 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     ConfigError
         One line that names the file or option, the key and the remedy.
     """
+    scenario = _with_draws(scenario)
     with _blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
         assert scenario.map.bounds_m is not None  # just resolved
@@ -134,6 +135,15 @@ def _contour(spec: ShapeSpec) -> FloatArray:
 def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
     points = tuple((float(x), float(y)) for x, y in contour)
     return replace(scenario, shape=ShapeSpec(name=_shape_name(scenario.shape), points=points))
+
+
+def _with_draws(scenario: Scenario) -> Scenario:
+    """Return the scenario with the seed of its partition: the run's, unless it has one of its own."""
+    partition = scenario.mission.partition
+    if partition.fractals.seed is not None:
+        return scenario
+    partition = replace(partition, fractals=replace(partition.fractals, seed=scenario.seed))
+    return replace(scenario, mission=replace(scenario.mission, partition=partition))
 
 
 def _shape_name(spec: ShapeSpec) -> str:

@@ -98,9 +98,9 @@ class Membership:
         known = self._members.get(robot)
         position, ahead = None, None
         if presence.sigma <= SIGMA_MAX:
-            position = float(presence.position[0]), float(presence.position[1])
-            x, y = presence.position + HELLO_GAP_S * presence.velocity
-            ahead = None if presence.mode == Mode.PARKED else (float(x), float(y))
+            x, y, vx, vy = presence.belief[:4].tolist()
+            position = x, y
+            ahead = None if presence.mode == Mode.PARKED else (x + HELLO_GAP_S * vx, y + HELLO_GAP_S * vy)
         epoch, goal = (known.epoch, known.goal) if known else (0, -1)
         self._members[robot] = Member(robot, presence.robot_type, position, epoch, goal, time, ahead, presence.sigma)
 

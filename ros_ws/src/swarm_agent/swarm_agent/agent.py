@@ -107,6 +107,7 @@ class Agent:
         self._learned: Plan | None = None
         self._goals_crc = 0  # of the goals in that plan
         self._reported_epoch = 0
+        self._beacons = 0  # among the neighbors
         self._disagreements = 0
         self._told: FloatArray | None = None  # velocity of the last command, body frame
         self._home: tuple[int, FloatArray] | None = None  # epoch and home point of its plan
@@ -158,13 +159,14 @@ class Agent:
 
     def _positioning(self, inputs: AgentInputs, estimate: Estimate | None) -> Positioning:
         """Return whether the robot knows where it is; count beacons that the hellos and the routes see differently."""
-        beacons = [neighbor for neighbor, presence in self._mesh.neighbors.items() if presence.is_beacon]
+        neighbors = self._mesh.neighbors
+        self._beacons = sum(map(_IS_BEACON, neighbors.values()))
         if len(inputs.ranges.neighbors):
-            routes = map(self._mesh.route, beacons)
+            routes = (self._mesh.route(neighbor) for neighbor, presence in neighbors.items() if presence.is_beacon)
             self._disagreements += sum(1 for route in routes if route is None or route.hops != 1)
         sigma = math.inf if estimate is None else widest(estimate.covariance)
         is_corrected = estimate is not None and estimate.is_corrected
-        return self._monitor.step(inputs.tick, Signs(len(beacons), self._localizer.is_beacon, is_corrected, sigma))
+        return self._monitor.step(inputs.tick, Signs(self._beacons, self._localizer.is_beacon, is_corrected, sigma))
 
     def _decide(self, tick: int, estimate: Estimate, positioning: Positioning) -> Decision:
         """Return where to go: where the swarm's decision says, or home if the robot has been lost for too long."""
@@ -277,7 +279,7 @@ class Agent:
             goal=decision.goal if decision else -1,
             path=self._follower.path,
             neighbors=tuple(neighbors),
-            beacons=sum(map(_IS_BEACON, neighbors.values())),
+            beacons=self._beacons,
             routes=len(self._mesh.reachable),
             rows=len(self._consensus.book),
             counters=self._mesh.counters,

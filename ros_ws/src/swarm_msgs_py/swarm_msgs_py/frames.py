@@ -31,7 +31,16 @@ import numpy as np
 from swarm_msgs_py.binary import COORDINATE_MAX, Reader, frozen, packed, packed_integers
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
-from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Acknowledgement, Frame, Hello, Packet, Presence, RouteRows
+from swarm_msgs_py.messages.radio import (
+    NO_ROUTES,
+    SIGMA_UNKNOWN,
+    Acknowledgement,
+    Frame,
+    Hello,
+    Packet,
+    Presence,
+    RouteRows,
+)
 from swarm_msgs_py.types import NodeId
 
 __all__ = ["Batch", "decode_body", "decode_frame", "encode_body", "encode_frame", "pack_batch", "unpack_batch"]
@@ -122,6 +131,8 @@ def decode_frame(data: bytes) -> Frame:
 
 def _encode_hello(hello: Hello) -> bytes:
     routes = hello.routes
+    if not len(routes.destinations):
+        return _encode_presence(hello.presence)
     rows = np.empty(len(routes.destinations), ROUTE_ROW)
     rows["destination"] = routes.destinations
     rows["hops"] = routes.hops
@@ -190,6 +201,8 @@ def _decode_hello(source: NodeId, sequence: int, reader: Reader) -> Hello:
     )
     rows = reader.array(ROUTE_ROW, reader.left() // ROUTE_ROW.itemsize)
     reader.finish()
+    if not len(rows):
+        return Hello(source, sequence, presence, NO_ROUTES)
     columns = (frozen(rows[name].astype(np.int64)) for name in ("destination", "hops", "sequence"))
     return Hello(source, sequence, presence, RouteRows(*columns))
 

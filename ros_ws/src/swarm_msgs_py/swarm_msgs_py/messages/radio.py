@@ -45,6 +45,8 @@ class Presence:
         Is on its way somewhere and hardly gets on: neighbors with time to spare may step aside.
     belief : (8,) array
         Position, velocity, covariance (xx, xy, yy) and shared share in one row, so that fifty neighbors stack at once.
+    sigma : float
+        Standard deviation of the position estimate, root mean square of both axes [m].
     """
 
     position: FloatArray
@@ -59,18 +61,15 @@ class Presence:
     digest: int
     asks_for_way: bool = False
     belief: FloatArray = field(init=False, repr=False)
+    sigma: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Lay out the row."""
+        """Lay out the row, and compute what many ask for."""
         (xx, xy), (_, yy) = self.covariance.tolist()
         belief = np.array([*self.position.tolist(), *self.velocity.tolist(), xx, xy, yy, self.shared])
         belief.flags.writeable = False
         object.__setattr__(self, "belief", belief)
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation of the position estimate, root mean square of both axes [m]."""
-        return math.sqrt((float(self.covariance[0, 0]) + float(self.covariance[1, 1])) / 2.0)
+        object.__setattr__(self, "sigma", math.sqrt((xx + yy) / 2.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +86,9 @@ class RouteRows:
     hops: IntArray
     sequences: IntArray
 
+
+NO_ROUTES = RouteRows(*(np.zeros(0, dtype=np.int64) for _ in range(3)))
+"""Rows of a hello that advertises nothing."""
 
 HOPS_INFINITE = 255
 """Hop count that means: no route (one byte on the air)."""

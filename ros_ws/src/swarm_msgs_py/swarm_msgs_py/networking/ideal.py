@@ -11,17 +11,13 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 
-import numpy as np
-
 from swarm_msgs_py.body_codec import BODY_MAX
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.frames import decode_frame, encode_frame
-from swarm_msgs_py.messages.radio import Delivery, Frame, Hello, Packet, Presence, RadioCounters, RouteRows
+from swarm_msgs_py.messages.radio import NO_ROUTES, Delivery, Frame, Hello, Packet, Presence, RadioCounters
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.labels import Route
 from swarm_msgs_py.types import EVERYONE, NodeId
-
-_NO_ROUTES = RouteRows(*(np.zeros(0, dtype=np.int64) for _ in range(3)))
 
 
 class IdealNetwork:
@@ -81,14 +77,16 @@ class IdealNetwork:
         """
         self._heard[0] += len(frames)
         self._heard[1] += sum(map(len, frames))
-        understood = [_understood(data) for data in frames]
-        hellos = [frame for frame in understood if isinstance(frame, Hello)]
         deliveries, self._to_self = self._to_self, []
-        if len(hellos) < len(frames):  # seldom: a plan, rows, reports
-            self._corrupt += understood.count(None)
-            packets = [frame for frame in understood if isinstance(frame, Packet)]
-            deliveries += [Delivery(p.origin, p.body) for p in packets if p.destination in (EVERYONE, self._node)]
-        self._take({hello.source: hello.presence for hello in hellos})
+        heard: dict[NodeId, Presence] = {}
+        for frame in map(_understood, frames):
+            if type(frame) is Hello:  # nearly always
+                heard[frame.source] = frame.presence
+            elif frame is None:
+                self._corrupt += 1
+            elif isinstance(frame, Packet) and frame.destination in {EVERYONE, self._node}:
+                deliveries.append(Delivery(frame.origin, frame.body))
+        self._take(heard)
         return tuple(deliveries)
 
     def flood(self, body: bytes) -> None:
@@ -126,7 +124,7 @@ class IdealNetwork:
         FrameError
             If `presence` does not fit a frame, e.g. a position that is not finite.
         """
-        frames = [encode_frame(Hello(self._node, self._next(), presence, _NO_ROUTES))]
+        frames = [encode_frame(Hello(self._node, self._next(), presence, NO_ROUTES))]
         for destination, body in self._bodies:
             number = self._next()
             packet = Packet(self._node, number, destination, self._node, destination, number, 1, body)
@@ -157,7 +155,7 @@ class IdealNetwork:
         return self._number
 
 
-@lru_cache(maxsize=8192)
+@lru_cache(maxsize=256)
 def _understood(data: bytes) -> Frame | None:
     """Return a frame, None if it is none; memoized, because all radios hear the same bytes."""
     try:

@@ -77,7 +77,9 @@ class CircleSizes(Enum):
 class FractalConfig(Config):
     """Tuning of randomized fractals (spec section 10)."""
 
-    seed: int = setting(1, "seed of the draws: equal seeds give equal goals", minimum=0, maximum=2**32 - 1)
+    seed: int | None = setting(
+        None, "seed of the draws: equal seeds give equal goals; null: that of the run", minimum=0, maximum=2**32 - 1
+    )
     clearance_m: float = setting(
         0.7, "free distance between circles, half of it to the contour, when room allows", unit="m", minimum=0.0
     )

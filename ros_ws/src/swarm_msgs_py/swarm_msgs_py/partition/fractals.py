@@ -62,7 +62,7 @@ class RandomizedFractals:
         wide = replace(gaps, robot_m=max(gaps.robot_m, wanted), contour_m=max(gaps.contour_m, wanted / 2.0))
         tries = (gaps,) if wide == gaps or self._config.sizes is CircleSizes.HURWITZ else (wide, gaps)
         for number, kept in enumerate(tries):
-            centers = self._draw(own, kept, rng_for(self._config.seed, "fractals", number))
+            centers = self._draw(own, kept, rng_for(self._config.seed or 0, "fractals", number))
             if len(centers) == len(domain.radii):
                 break
         return frame.leave(centers)
