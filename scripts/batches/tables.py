@@ -38,8 +38,8 @@ def as_markdown(comparison: Comparison, notes: Sequence[str] = ()) -> str:
         f"Each mean is over runs with different random starts and has an interval of {LEVEL:.0%} confidence: Student's "
         "t for means, Wilson's score for the achieved share. *runs*: those that have the number; a run that never "
         "settled has no settling time. *difference*: to the first method, run by run on equal starts, with Student's t "
-        "interval of the paired differences. In parentheses: what the mesh of robots would be that stood on a hexagonal "
-        "lattice cut out by the shape, and at random points of it.",
+        "interval of the paired differences. In parentheses: what the mesh of robots would be that stood on a "
+        "hexagonal lattice cut out by the shape, and at random points of it.",
         *(f"**{note}**" for note in notes),
         *(_section(comparison, place) for place in comparison.places),
     ]
