@@ -99,7 +99,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     complete = True
     if options.table in {"quality", "both"}:
-        rows = _quality(options.scenario, options.seeds, file)
+        rows = [
+            metrics
+            for method in options.methods or [None]
+            for metrics in _quality(options.scenario, method, options.seeds, file)
+        ]
         complete &= all(metrics["achieved"] and not metrics["collisions"] for metrics in rows)
         if options.figure is not None:
             _draw(rows, options.figure)
@@ -111,6 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenario", default="formation-50", help="what to run (default: %(default)s)")
+    parser.add_argument("--methods", nargs="+", metavar="M", help="of the quality table (default: the scenario's)")
     parser.add_argument("--seeds", type=int, nargs="+", default=list(range(1, 21)), help="of the quality table")
     parser.add_argument("--out", type=Path, help="file of runs of the quality table, one line of JSON each")
     parser.add_argument("--figure", type=Path, metavar="FILE", help="where to draw the quality table, a PNG")
@@ -118,17 +123,19 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _quality(scenario: str, seeds: Sequence[int], file: ResultFile) -> list[Metrics]:
+def _quality(scenario: str, method: str | None, seeds: Sequence[int], file: ResultFile) -> list[Metrics]:
     """Print one row per seed, on the ROS engine, the shapes in turn; return what the rows are of."""
-    print(f"\n### Quality: {scenario}, ROS engine, PyBullet\n")
+    name = scenario if method is None else f"{scenario}, {method}"
+    print(f"\n### Quality: {name}, ROS engine, PyBullet\n")
     print_head(list(QUALITY_COLUMNS))
     rows: list[Metrics] = []
     keys: list[str] = []
     for seed in seeds:
         shape = SHAPES[(seed - 1) % len(SHAPES)]
-        key = f"{scenario}, {shape}, seed {seed}"
+        key = f"{name}, {shape}, seed {seed}"
         if not file.records.get(key, {}).keys() >= METRICS:  # missing, or of a launcher that measured less
-            options = (*SPEED_CASES[0].options, "--shape", shape)
+            chosen = () if method is None else ("--method", method)
+            options = (*SPEED_CASES[0].options, "--shape", shape, *chosen)
             file.append(key, _run(scenario, seed, options) | {"shape": shape})
         metrics = dict(file.records[key])
         print_row([column(metrics) for column in QUALITY_COLUMNS.values()])

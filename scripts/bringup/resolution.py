@@ -20,6 +20,7 @@ from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ConfigError, ShapeError
 from swarm_msgs_py.frames import HELLO_SIZE, ROUTE_ROW
 from swarm_msgs_py.networking.config import NetworkConfig, NetworkModel
+from swarm_msgs_py.partition import Method
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import Backend, RadioModel
@@ -138,9 +139,9 @@ def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
 
 
 def _with_draws(scenario: Scenario) -> Scenario:
-    """Return the scenario with the seed of its partition: the run's, unless it has one of its own."""
+    """Return the scenario with the seed of its draws, if there are any: the run's, unless they have one of their own."""
     partition = scenario.mission.partition
-    if partition.fractals.seed is not None:
+    if partition.method is not Method.FRACTALS or partition.fractals.seed is not None:
         return scenario
     partition = replace(partition, fractals=replace(partition.fractals, seed=scenario.seed))
     return replace(scenario, mission=replace(scenario.mission, partition=partition))
