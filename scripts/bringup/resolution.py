@@ -139,7 +139,7 @@ def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
 
 
 def _with_draws(scenario: Scenario) -> Scenario:
-    """Return the scenario with the seed of its draws, if there are any: the run's, unless they have one of their own."""
+    """Return the scenario with the seed of its draws, if there are any: the run's, unless they have one."""
     partition = scenario.mission.partition
     if partition.method is not Method.FRACTALS or partition.fractals.seed is not None:
         return scenario
