@@ -114,7 +114,7 @@ def test_after_the_merge_all_agree_on_one_plan_for_everybody(split: Run) -> None
 
     assert len(plans[0].goals) == len(plans[-1].goals) == ROBOTS
     assert min(len(plan.goals) for plan in plans) < ROBOTS
-    # From the first robot that has heard it: the mission computer may be out of everybody's range when it makes the plan.
+    # From the first robot that has heard it: when the plan is made, the mission computer may be out of all range.
     heard = next(record.tick for record in records if any(r.epoch == plans[-1].epoch for r in record.reports.values()))
     agreed = next(record.tick for record in records[heard:] if has_agreed(record, plans[-1]))
     assert (agreed - heard) * 0.5 <= 10.0
