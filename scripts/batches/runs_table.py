@@ -6,7 +6,8 @@ import io
 import typing
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from types import NoneType
+from types import NoneType, UnionType
+from typing import Any
 
 import pyarrow as pa
 from pyarrow import parquet
@@ -41,15 +42,22 @@ def runs_parquet(runs: Iterable[Run], records: Mapping[str, Record], versions: M
 
 def _schema() -> pa.Schema:
     hints = typing.get_type_hints(FormationMetrics)
-    metrics = [(field.name, _TYPES[_plain(hints[field.name])]) for field in fields(FormationMetrics)]
+    metrics = [(field.name, _column(_plain(hints[field.name]))) for field in fields(FormationMetrics)]
     return pa.schema([*metrics, *((name, _TYPES[kind]) for name, kind in _OWN.items())])
 
 
-def _plain(hint: object) -> type:
+def _plain(hint: Any) -> Any:
     """Return the type of what is not None."""
-    (kind,) = [kind for kind in typing.get_args(hint) or (hint,) if kind is not NoneType]
-    assert isinstance(kind, type)  # metrics are plain numbers, texts and truth values
+    is_union = typing.get_origin(hint) in {UnionType, typing.Union}
+    (kind,) = [kind for kind in (typing.get_args(hint) if is_union else (hint,)) if kind is not NoneType]
     return kind
+
+
+def _column(kind: Any) -> pa.DataType:
+    """Return the type of a column; metrics are plain numbers, texts, truth values, and lists of these."""
+    if typing.get_origin(kind) is tuple:
+        return pa.list_(_column(_plain(typing.get_args(kind)[0])))
+    return _TYPES[kind]
 
 
 def _row(run: Run, record: Record, version: str) -> dict[str, object]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from bringup.layout import make_scene, rally_point, robot_types, told_start
-from bringup.resolution import contour_of, network_of
+from bringup.resolution import contour_of, network_of, stages_of
 from bringup.scenario import Scenario
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
@@ -94,7 +94,7 @@ class ScenarioActors:
         return Simulation(self.world_config, self.scene, self.scenario.seed, self.scenario.deaths)
 
     def mission(self) -> Mission:
-        """Make the mission computer; it is ordered the scenario's shape."""
+        """Make the mission computer; it is ordered the scenario's shapes."""
         return Mission(
             self.scenario.mission,
             network_of(self.scenario),
@@ -103,6 +103,7 @@ class ScenarioActors:
             contour_of(self.scenario),
             self.period_s,
             self.scene.bounds,
+            stages_of(self.scenario),
         )
 
     def agent(self, robot: NodeId) -> Agent:

@@ -85,8 +85,19 @@ def _last_of(count: int) -> str:
     return robot_name(NodeId(count - 1))
 
 
+def plan_maker(scenario: Scenario, roster: Roster, obstacles: tuple[FloatArray, ...]) -> PlanMaker:
+    """Return what makes the plans of the mission computer."""
+    mission = scenario.mission
+    return PlanMaker(mission.partition, roster, obstacles, scenario.map.bounds_m, mission.asked)
+
+
 def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacles: tuple[FloatArray, ...]) -> Plan:
-    """Return the plan that the mission computer will make first.
+    """Return the plan that the mission computer will make first; see `first_plan_of`."""
+    return first_plan_of(plan_maker(scenario, roster, obstacles), contour)
+
+
+def first_plan_of(maker: PlanMaker, contour: FloatArray) -> Plan:
+    """Return the first plan of who makes all of them.
 
     Raises
     ------
@@ -95,8 +106,6 @@ def first_plan(scenario: Scenario, contour: FloatArray, roster: Roster, obstacle
     ShapeError
         If the shape cannot be used.
     """
-    mission = scenario.mission
-    maker = PlanMaker(mission.partition, roster, obstacles, scenario.map.bounds_m, mission.asked)
     try:
         return maker.for_shape(1, contour, ())
     except FrameError as error:

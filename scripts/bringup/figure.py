@@ -48,13 +48,17 @@ def run_figure(scenario: Scenario, trace: Trace, plan: Plan | None, metrics: For
         axes.tick_params(labelsize=SMALL)
     _draw_goals(detail, plan)
     _frame_arena(arena, scenario, trace)
-    _frame_shape(detail, scenario)
+    _frame_shape(detail, scenario, plan)
     arena.set_ylabel("y [m]", fontsize=9)
     arena.set_title("arena and trajectories", fontsize=10)
     detail.set_title("final formation", fontsize=10)
     figure.suptitle(_headline(metrics), fontsize=11)
     figure.legend(
-        handles=_legend(types, metrics, plan), loc="outside lower center", ncols=8, fontsize=SMALL, frameon=False
+        handles=_legend(scenario, types, metrics, plan),
+        loc="outside lower center",
+        ncols=8,
+        fontsize=SMALL,
+        frameon=False,
     )
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
@@ -64,11 +68,20 @@ def run_figure(scenario: Scenario, trace: Trace, plan: Plan | None, metrics: For
 def _draw_scene(axes: Axes, scenario: Scenario, plan: Plan | None) -> None:
     contour = plan.contour if plan is not None else np.array(scenario.shape.points)
     axes.add_patch(Polygon(contour, closed=True, facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, linewidth=1.2, zorder=1))
+    for outline in _earlier_shapes(scenario, contour):
+        axes.add_patch(Polygon(outline, closed=True, fill=False, edgecolor=SHAPE_EDGE, linestyle=":", zorder=1))
     for obstacle in scenario.map.obstacles:
         wall = Polygon(
             obstacle.polygon(), closed=True, facecolor=WALL_FILL, edgecolor=WALL_EDGE, hatch="////", zorder=2
         )
         axes.add_patch(wall)
+
+
+def _earlier_shapes(scenario: Scenario, last: FloatArray) -> list[FloatArray]:
+    """Return the other shapes of a run, in their order."""
+    specs = (scenario.shape, *(stage.shape for stage in scenario.stages if stage.shape is not None))
+    contours = [np.array(spec.points) for spec in specs]
+    return [contour for contour in contours if not np.array_equal(contour.round(2), last)]
 
 
 def _draw_trajectories(axes: Axes, positions: FloatArray, types: tuple[RobotType, ...]) -> None:
@@ -113,8 +126,8 @@ def _frame_arena(axes: Axes, scenario: Scenario, trace: Trace) -> None:
     _draw_scale_bar(axes, x_max - x_min)
 
 
-def _frame_shape(axes: Axes, scenario: Scenario) -> None:
-    contour = np.array(scenario.shape.points)
+def _frame_shape(axes: Axes, scenario: Scenario, plan: Plan | None) -> None:
+    contour = plan.contour if plan is not None else np.array(scenario.shape.points)
     low, high = contour.min(axis=0), contour.max(axis=0)
     center, half = 0.5 * (low + high), 0.5 * float((high - low).max()) * (1.0 + 2.0 * DETAIL_MARGIN)
     axes.set_xlim(center[0] - half, center[0] + half)
@@ -143,7 +156,10 @@ def _headline(metrics: FormationMetrics) -> str:
     return "  |  ".join(parts)
 
 
-def _legend(types: tuple[RobotType, ...], metrics: FormationMetrics, plan: Plan | None) -> list[Line2D | Patch]:
+def _legend(
+    scenario: Scenario, types: tuple[RobotType, ...], metrics: FormationMetrics, plan: Plan | None
+) -> list[Line2D | Patch]:
+    has_stages = bool(scenario.stages)
     handles: list[Line2D | Patch] = []
     for number, color in _color_of(types).items():
         label = f"type {number} (r = {_radius(types, number):g} m)"
@@ -152,7 +168,8 @@ def _legend(types: tuple[RobotType, ...], metrics: FormationMetrics, plan: Plan 
     if plan is None or plan.task.has_goals:
         handles.append(Line2D([], [], color="black", marker="+", linestyle="", markersize=6, label="goal"))
     handles += [
-        Patch(facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, label="shape"),
+        Patch(facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, label="last shape" if has_stages else "shape"),
+        *([Line2D([], [], color=SHAPE_EDGE, linestyle=":", label="earlier shape")] if has_stages else []),
         Patch(facecolor=WALL_FILL, edgecolor=WALL_EDGE, hatch="////", label="obstacle"),
     ]
     if metrics.lost_robots:

@@ -115,7 +115,7 @@ def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
         whose = "; of those that live " if metrics.lost_robots else " = "
         displacement += f"{whose}{ratio} x lower bound {bound}"
     traffic = f"{metrics.radio_bytes / 1e6:.2f} MB in {metrics.radio_frames} frames"
-    return [
+    rows = [
         ("settling time", f"{settled} (bottleneck {bottleneck})"),
         ("total displacement", displacement),
         ("collisions", f"{metrics.collisions} (least gap {_number(metrics.min_clearance_m, 'm', 3)})"),
@@ -123,6 +123,13 @@ def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
         ("radio", f"{traffic}, peak {metrics.radio_neighborhood_peak_bps / 1e3:.0f} kbit/s in a neighborhood"),
         ("speed", f"{_number(metrics.real_time_factor, 'x real time')}, start-up {_number(metrics.startup_s, 's')}"),
     ]
+    if metrics.stage_settling_s is not None:
+        rows.append(("stages settled", ", ".join(_number(each, "s") for each in metrics.stage_settling_s)))
+    if metrics.morph_latency_s is not None:
+        outside, recovery = 100.0 * (metrics.morph_outside_fraction or 0.0), _number(metrics.morph_recovery_s, "s")
+        lag = _number(metrics.morph_latency_s, "s")
+        rows.append(("moving shape", f"lag {lag}, {outside:.1f} % outside, recovered after {recovery}"))
+    return rows
 
 
 def _number(value: float | None, unit: str, digits: int = 1) -> str:

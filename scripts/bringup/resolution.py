@@ -11,13 +11,24 @@ from pathlib import Path
 
 import shapely
 
-from bringup.cross_checks import check_events, check_margins, check_rally_point, check_reach, check_size, first_plan
+from bringup.cross_checks import (
+    check_events,
+    check_margins,
+    check_rally_point,
+    check_reach,
+    check_size,
+    first_plan_of,
+    plan_maker,
+)
 from bringup.layout import make_scene, robot_types, walls
-from bringup.scenario import MapSpec, Scenario, ShapeSpec
+from bringup.scenario import MapSpec, Scenario
 from bringup.scenario_file import Origin
+from bringup.shape_specs import ShapeSpec, StageSpec
+from bringup.staging import Staging, check_time, stage_of, stage_plan, written_stage
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
-from swarm_msgs_py.errors import ConfigError, ShapeError
+from mission_computer.stages import Stage
+from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
 from swarm_msgs_py.frames import HELLO_SIZE, ROUTE_ROW
 from swarm_msgs_py.networking.config import NetworkConfig, NetworkModel
 from swarm_msgs_py.partition import Method
@@ -51,12 +62,19 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         network_of(scenario)
     with _blamed(origin, "shape"):
         contour = _contour(scenario.shape)
-        check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(scenario.shape)}'")
-        _check_obstacles(contour, scenario)
-        plan = first_plan(scenario, contour, Roster.of(robot_types(scenario)), walls(scenario))
+        _check_shape(contour, scenario, scenario.shape)
+        maker = plan_maker(scenario, Roster.of(robot_types(scenario)), walls(scenario))
+        plan = first_plan_of(maker, contour)
     with _blamed(origin, "robots"):
         scene = make_scene(scenario)
         check_reach(scenario, scene, plan)
+    scenario = _with_stages(scenario, contour, origin)
+    for number, stage in enumerate(stages_of(scenario)):
+        with _blamed(origin, f"stages[{number}]"):
+            check_time(scenario, number)
+            _check_shape(stage.contour, scenario, scenario.stages[number].shape)
+            plan = stage_plan(scenario, maker, stage, plan)
+            check_reach(scenario, scene, plan)
     is_elsewhere = scenario.agent.decision.rally_point_m is not None
     with _blamed(origin, "agent.decision.rally_point_m" if is_elsewhere else "mission.position_m"):
         check_rally_point(scenario, scene)
@@ -80,12 +98,19 @@ def written_out(scenario: Scenario, origin: Origin) -> Scenario:
     with _blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
     with _blamed(origin, "shape"):
-        return _with_contour(scenario, _contour(scenario.shape))
+        contour = _contour(scenario.shape)
+    return _with_contour(_with_stages(scenario, contour, origin), contour)
 
 
 def contour_of(scenario: Scenario) -> FloatArray:
     """Return the contour of a resolved scenario, (k, 2) counter-clockwise [m]."""
     return _contour(scenario.shape)
+
+
+def stages_of(scenario: Scenario) -> tuple[Stage, ...]:
+    """Return the stages of a resolved scenario, as the mission computer is told of them."""
+    shapes = [stage.shape for stage in scenario.stages]
+    return tuple(stage_of(spec, _contour(shape)) for spec, shape in zip(scenario.stages, shapes, strict=True) if shape)
 
 
 def network_of(scenario: Scenario) -> NetworkConfig:
@@ -120,7 +145,7 @@ def _blamed(origin: Origin, key: str) -> Iterator[None]:
     """Put the place to mend in front of what is wrong with `key`."""
     try:
         yield
-    except (ConfigError, ShapeError) as error:
+    except (ConfigError, ShapeError, FrameError) as error:
         raise ConfigError(f"{origin.of(key)}: {error}") from None
 
 
@@ -145,6 +170,22 @@ def _with_draws(scenario: Scenario) -> Scenario:
         return scenario
     partition = replace(partition, fractals=replace(partition.fractals, seed=scenario.seed))
     return replace(scenario, mission=replace(scenario.mission, partition=partition))
+
+
+def _with_stages(scenario: Scenario, first: FloatArray, origin: Origin) -> Scenario:
+    """Return the scenario with the contour of every stage written out."""
+    staging, stages = Staging(first, _contour), list[StageSpec]()
+    for number, spec in enumerate(scenario.stages):
+        with _blamed(origin, f"stages[{number}]"):
+            stages.append(written_stage(spec, staging.next(spec)))
+    return replace(scenario, stages=tuple(stages))
+
+
+def _check_shape(contour: FloatArray, scenario: Scenario, spec: ShapeSpec | None) -> None:
+    """Refuse a shape that is not in the arena, or over an obstacle."""
+    assert scenario.map.bounds_m is not None  # a resolved scenario has its map written out
+    check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(spec)}'" if spec is not None else "shape")
+    _check_obstacles(contour, scenario)
 
 
 def _shape_name(spec: ShapeSpec) -> str:

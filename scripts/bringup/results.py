@@ -9,6 +9,7 @@ import numpy as np
 
 from bringup.layout import robot_types, sensor_carriers, walls
 from bringup.scenario import Scenario
+from bringup.stage_results import motion_results, stage_results
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
 from swarm_msgs_py.messages.bodies import Plan
@@ -67,7 +68,11 @@ class FormationMetrics:
     needed at least to reach goals of the last plan from their start points; ``displacement_ratio`` divides the
     displacement of the same robots by it. Where the plan has no goals, the places where they ended stand for them, and
     ``goals_reached`` counts robots inside the shape. After a change of the shape, bound, ratio and
-    ``bottleneck_time_s`` are None.
+    ``bottleneck_time_s`` are None, and ``settling_time_s`` is when the last shape stood.
+
+    The fourth group is of runs with several shapes, None in others: of shapes that move, the worst over all motions
+    (spec 14.6), ``morph_recovery_s`` None if the swarm never fitted the shape again; of stages, one number each: from
+    its order until all were at rest in it, and how far all robots drove for it.
     """
 
     scenario: str
@@ -116,6 +121,12 @@ class FormationMetrics:
     gap_variation: float | None
     covered_fraction: float | None
 
+    morph_latency_s: float | None
+    morph_outside_fraction: float | None
+    morph_recovery_s: float | None
+    stage_settling_s: tuple[float | None, ...] | None
+    stage_displacement_m: tuple[float, ...] | None
+
     def to_json(self) -> str:
         """Return the text of ``metrics.json``."""
         return json.dumps(asdict(self), indent=2, allow_nan=False) + "\n"
@@ -131,6 +142,10 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
     # A shape that changed on the way cost more than the last one needs; there is no fair bound for it.
     bound, longest = (None, None) if outcome.supervisor.has_changed_shape else _bound(scenario, trace, plan, live)
     quality = _quality(scenario, trace, plan, live)
+    course, period = outcome.supervisor.course, scenario.sim.period_s
+    motion = motion_results(trace, course, period, live)
+    stages = stage_results(trace, course, outcome.supervisor.stages, period, scenario.success)
+    stages = stages if scenario.stages else ()
     blind = _blind(scenario, trace)
     localization = _localization(trace, blind)
     heard, lost = trace.beacons >= scenario.agent.lps.lost.beacons_min, trace.positioning > Positioning.LOCALIZED
@@ -179,6 +194,11 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         cell_area_variation=quality.area_variation if quality else None,
         gap_variation=quality.gap_variation if quality else None,
         covered_fraction=quality.covered_fraction if quality else None,
+        morph_latency_s=motion.latency_s if motion else None,
+        morph_outside_fraction=motion.outside if motion else None,
+        morph_recovery_s=motion.recovery_s if motion else None,
+        stage_settling_s=tuple(stage.settling_s for stage in stages) or None,
+        stage_displacement_m=tuple(stage.displacement_m for stage in stages) or None,
     )
 
 

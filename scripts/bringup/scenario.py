@@ -7,6 +7,7 @@ from collections import Counter
 from dataclasses import dataclass, fields
 from enum import Enum
 
+from bringup.shape_specs import ShapeSpec, StageSpec
 from mission_computer.config import MissionConfig
 from mission_computer.shape.arena import Obstacle
 from swarm_agent.config import AgentConfig
@@ -21,26 +22,6 @@ class Family(Enum):
     """Families of behavior."""
 
     FORMATION = "formation"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ShapeSpec(Config):
-    """The contour to form: a library name, a file, or points, and how it is placed."""
-
-    name: str | None = setting(None, "library shape; beside a file or points it is only what to call them")
-    file: str | None = setting(None, "GeoJSON or JSON file, relative to the scenario's own folder")
-    points: tuple[tuple[float, float], ...] | None = setting(None, "contour [x, y], once around", unit="m")
-    scale: float = setting(1.0, "size factor about the center of area", above=0.0, maximum=1e4)
-    rotation_deg: float = setting(0.0, "turn about the center of area, counter-clockwise", unit="deg")
-    translation_m: tuple[float, float] = setting((0.0, 0.0), "shift after that", unit="m")
-
-    def __post_init__(self) -> None:
-        """Check that there is exactly one source of points."""
-        Config.__post_init__(self)
-        if self.file is not None and self.points is not None:
-            raise ConfigError("file and points are both given; remove one of them")
-        if self.file is None and self.points is None and self.name is None:
-            raise ConfigError("no shape; give one of name, file or points")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,6 +189,11 @@ class Scenario(Config):
     seed: int = setting(1, "seed of everything that is drawn", minimum=0, maximum=2**32 - 1)
     duration_s: float = setting(300.0, "simulated time after which the mission counts as failed", unit="s", above=0.0)
     shape: ShapeSpec = setting(help="the contour to form")
+    stages: tuple[StageSpec, ...] = setting(
+        (),
+        "shapes after the first, in their order, e.g. [{shape: {name: iso_2_rect}, over_s: 60.0, at_s: 150.0},"
+        " {split: {gap_m: 4.0}, over_s: 40.0}, {join: true, over_s: 40.0}]",
+    )
     map: MapSpec = setting(help="the arena")
     robots: RobotsSpec = setting(help="the swarm")
     events: tuple[EventSpec, ...] = setting(

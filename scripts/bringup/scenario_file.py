@@ -185,8 +185,10 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: {error}; correct it there") from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: expected keys and values; start from one of the ready-made scenarios")
-    for name in ("shape", "map"):
-        part = data.get(name)
+    stages = data.get("stages")
+    parts = [data.get("shape"), data.get("map")]
+    parts += [stage.get("shape") for stage in stages if isinstance(stage, dict)] if isinstance(stages, list) else []
+    for part in parts:
         if isinstance(part, dict) and isinstance(part.get("file"), str):
             part["file"] = str(path.parent / part["file"])
     return data

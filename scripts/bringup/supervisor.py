@@ -13,8 +13,10 @@ from bringup.engine import TickRecord
 from bringup.labels import first_few
 from bringup.scenario import SuccessSpec
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.messages.report import AgentReport
-from swarm_msgs_py.types import MISSION, NodeId, robot_name
+from swarm_msgs_py.messages.report import AgentReport, MissionReport
+from swarm_msgs_py.plan_course import Course, lineage
+from swarm_msgs_py.plan_motion import contour_at, goals_at
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId, robot_name
 from swarm_sim.metrics.settling import settled_samples
 
 
@@ -50,6 +52,10 @@ class Supervisor:
     ----------
     plan : Plan or None
         The plan in force.
+    course : Course
+        All plans, which tell where the shape was when.
+    stages : list of int
+        Tick in which each stage was ordered, the first shape included.
     goals : dict of NodeId to int
         Goal that each robot last reported, -1 for none.
     at_goal : int
@@ -64,12 +70,16 @@ class Supervisor:
         self._success = success
         self._period = period_s
         self._duration = duration_s
-        self._contour: shapely.Polygon | None = None
+        self._contour: shapely.Polygon | None = None  # as it is at the end of the tick
+        self._drawn: FloatArray | None = None  # the points of it
+        self._mission: MissionReport | None = None  # the last one
         self._settled_since: float | None = None
         self._reports: dict[NodeId, AgentReport] = {}
         self._distances: dict[NodeId, float] = {}
         self._lost: frozenset[NodeId] = frozenset()
         self.plan: Plan | None = None
+        self.course = Course()
+        self.stages: list[int] = []
         self.goals: dict[NodeId, int] = {}
         self.at_goal = 0
         self.has_changed_shape = False
@@ -86,7 +96,7 @@ class Supervisor:
         self._watch_motion(record, rows)
         held = end - self._settled_since if self._settled_since is not None else -1.0
         # Sample times are sums of fractions of a tick; a hold may fall short of itself by rounding.
-        if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows):
+        if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows) and not self._is_awaiting_stage:
             return self._settled(len(rows))
         if end >= self._duration - 1e-9:
             return Verdict(False, f"time limit of {self._duration:g} s: {self._tally()}{self._shortfall()}")
@@ -106,28 +116,66 @@ class Supervisor:
         if live < needed:
             too_few = f"only {live} of {len(self._robots)} robots live, {needed} must (success.live_share_min)"
             return Verdict(False, f"{too_few}; {self._tally()}, at rest since {self._settled_since:.1f} s")
-        return Verdict(True, f"shape formed: {self._tally()}, at rest since {self._settled_since:.1f} s")
+        if self._stages_left:
+            return Verdict(False, f"{self._tally()}, at rest since {self._settled_since:.1f} s{self._missing_stages()}")
+        what = f"last of {len(self.stages)} shapes" if len(self.stages) > 1 else "shape"
+        return Verdict(True, f"{what} formed: {self._tally()}, at rest since {self._settled_since:.1f} s")
+
+    @property
+    def _stages_left(self) -> int:
+        return self._mission.stages_left if self._mission is not None else 0
+
+    @property
+    def _is_awaiting_stage(self) -> bool:
+        """Return whether there is another shape to come."""
+        is_over = MISSION in self._lost or (self._mission is not None and self._mission.is_broken_off)
+        return self._stages_left > 0 and not is_over
+
+    def _missing_stages(self) -> str:
+        """Return why shapes are missing, "" if none are."""
+        if not self._stages_left or self._mission is None:
+            return ""
+        stages = f"{self._stages_left} {'stage' if self._stages_left == 1 else 'stages'} to come"
+        if self._mission.is_broken_off:
+            return f"; {stages}, but stage {self._mission.stage + 1} was refused; see the alerts for why"
+        return f"; {stages}, but the mission computer is off" if MISSION in self._lost else f"; {stages}"
 
     def _take(self, record: TickRecord) -> None:
         dead = {robot for robot, alive in zip(self._robots, record.truth.alive, strict=True) if not alive}
         self._lost = record.lost | dead
         for robot, report in record.reports.items():
             self.goals[robot], self._reports[robot] = report.goal, report
+        if record.mission is not None:
+            self._mission = record.mission
         if record.plan is not None:
             self.has_changed_shape |= self.plan is not None and not np.array_equal(
                 self.plan.contour, record.plan.contour
             )
             self.plan = record.plan
-            self._contour = shapely.Polygon(record.plan.contour)
-            shapely.prepare(self._contour)
+            self.course.put(record.tick, record.plan)
             self._settled_since = None
+        if self.plan is not None and len(self.stages) <= (self._mission.stage if self._mission is not None else 0):
+            self.stages.append(record.tick)
+        self._draw_shape(record.tick + 1)
+
+    def _draw_shape(self, tick: int) -> None:
+        """Take note of where the shape is at the beginning of a tick."""
+        if self.plan is None:
+            return
+        contour = contour_at(self.course.at(tick), tick)
+        if contour is not self._drawn:
+            self._drawn, self._contour = contour, shapely.Polygon(contour)
+            shapely.prepare(self._contour)
 
     def _watch_motion(self, record: TickRecord, rows: np.ndarray) -> None:
         """Update who is at the goal, and since when everybody has been at rest inside the contour."""
         samples, speeds = record.truth.samples[:, rows], record.truth.sample_velocities[:, rows]
         self._distances = self._goal_distances(record, rows)
         self.at_goal = sum(map(self._is_there, self._distances.values()))
-        if self._contour is None:
+        if self.plan is None or self._contour is None:
+            return
+        if self.plan.motion is not None and record.tick < self.plan.motion.ends:
+            self._settled_since = None  # on its way, or about to be
             return
         settled = settled_samples(samples, speeds, self._contour, self._success.speed_max_m_s)
         unsettled = np.flatnonzero(~settled)
@@ -149,16 +197,21 @@ class Supervisor:
                 robot: float(gap) if self._has_heard(robot, self.plan) else float("inf")
                 for robot, gap in zip(robots, gaps, strict=True)
             }
-        count = 0 if self.plan is None else len(self.plan.goals)
+        goals = np.empty((0, 2)) if self.plan is None else self._goals(self.plan, record.tick + 1)
         distances = {}
         for row in rows:
             robot = self._robots[row]
             goal = self.goals.get(robot, -1)
             distances[robot] = float("inf")
-            if self.plan is not None and 0 <= goal < count:
-                offset = record.truth.samples[-1, row] - self.plan.goals[goal]
+            if 0 <= goal < len(goals):
+                offset = record.truth.samples[-1, row] - goals[goal]
                 distances[robot] = float(np.hypot(*offset))
         return distances
+
+    def _goals(self, plan: Plan, tick: int) -> FloatArray:
+        """Return the goals at the beginning of a tick, by the ids of the newest plan, (n, 2) [m]."""
+        present = self.course.at(tick)
+        return goals_at(present if lineage(present) == lineage(plan) else plan, tick)
 
     def _has_heard(self, robot: NodeId, plan: Plan) -> bool:
         """Return whether a robot has reported to hold a plan, or a later one."""
@@ -184,7 +237,7 @@ class Supervisor:
         return sum(robot in self._reports and holds(self._reports[robot]) for robot in self._distances)
 
     def _shortfall(self) -> str:
-        """Return who is not at the goal, and how far from it."""
+        """Return what the shape, or the next one, was waiting for."""
         if self.plan is None:
             return "; no plan was made"
         blind = self._count(lambda report: not np.isfinite(report.position).all())
@@ -198,6 +251,10 @@ class Supervisor:
         if deaf:
             why = "the mission computer is off" if MISSION in self._lost else "out of radio range, or frames lost"
             return f"; {deaf} never heard the plan ({why})"
+        return self._missing_stages() or self._strays()
+
+    def _strays(self) -> str:
+        """Return who is not at the goal, and how far from it."""
         far = sorted(
             ((-d, robot) for robot, d in self._distances.items() if not self._is_there(d)),
         )

@@ -53,7 +53,8 @@ class Blocked:
     ) -> None:
         self.plan = make_plan(np.array(goals))
         consensus = Consensus(ME, 1, DecisionConfig(), PERIOD)
-        consensus.book.adopt(self.plan)
+        self.book = consensus.book
+        self.book.adopt(self.plan)
         for robot, weight in zip((ME, OTHER), weights, strict=True):
             consensus.book.put(CostRow(1, robot, 1, 1, np.zeros(len(goals), dtype=np.int64), weight))
         self.mesh = Mesh({OTHER: other if other is not None else at(0.6)})
@@ -61,7 +62,8 @@ class Blocked:
         self._swaps = SwapOffers(ME, config, paths, self.mesh, consensus, PERIOD)
 
     def tick(self, taken: dict[NodeId, int] | None = None, is_blocked: bool = True) -> IntArray | None:
-        return self._swaps.step(self.plan, HERE, {ME: 0, OTHER: 1} if taken is None else taken, is_blocked=is_blocked)
+        taken = {ME: 0, OTHER: 1} if taken is None else taken
+        return self._swaps.step(0, self.plan, HERE, taken, is_blocked=is_blocked)
 
     def offers(self, ticks: int, **said: object) -> dict[int, IntArray]:
         """Return what is offered in which of the next ticks."""
@@ -113,6 +115,9 @@ def test_a_new_plan_begins_anew() -> None:
     swaps = Blocked()
     swaps.offers(AFTER)
     swaps.plan = replace(swaps.plan, epoch=2)
+    swaps.book.adopt(swaps.plan)
+    swaps.book.put(CostRow(2, ME, 1, 1, np.zeros(3, dtype=np.int64)))
+    swaps.book.put(CostRow(2, OTHER, 1, 1, np.zeros(3, dtype=np.int64)))
     swaps.mesh.heard[OTHER] = replace(at(0.6), epoch=2)
 
     assert list(swaps.offers(AFTER)) == [AFTER]

@@ -40,6 +40,19 @@ class MissionConfig(Config):
         unit="m",
         minimum=0.0,
     )
+    lead_s: float = setting(
+        6.0,
+        "a motion of the shape begins this long after it was ordered; so long a plan may need to get through the mesh",
+        unit="s",
+        minimum=0.0,
+    )
+    morph_s: float = setting(
+        0.0,
+        "how long the shape takes to turn into one that is ordered while the mission goes on; 0: it is a new shape"
+        " to which robots drive by themselves",
+        unit="s",
+        minimum=0.0,
+    )
     task: Task | None = setting(
         None,
         "what plans ask of the robots: goals, to share out goals that are computed here; partition, to find the goals"

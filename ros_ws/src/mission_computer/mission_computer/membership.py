@@ -115,6 +115,11 @@ class Membership:
         limit = time - self._config.lost_after_s
         return tuple(self._members[robot] for robot in sorted(self._members) if self._members[robot].heard_at <= limit)
 
+    def present(self, time: float) -> tuple[NodeId, ...]:
+        """Return the robots that were heard once and are not lost at `time` [s], ascending."""
+        limit = time - self._config.lost_after_s
+        return tuple(robot for robot in sorted(self._members) if self._members[robot].heard_at > limit)
+
     def is_regrouping_due(self, time: float) -> bool:
         """Return whether the lost robots are others than those accounted for, and it is time to act on it.
 

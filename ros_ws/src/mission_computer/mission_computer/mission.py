@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import logging
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from mission_computer.config import MissionConfig
 from mission_computer.dissemination import Dissemination
-from mission_computer.membership import Membership, change_line
+from mission_computer.membership import Member, Membership, change_line
+from mission_computer.move import Move, rest_of
+from mission_computer.parking import ParkingWatch
 from mission_computer.plan_making import PlanMaker, nearest_inside
+from mission_computer.stages import Stage, StageSchedule
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError, SwarmError
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epoch
 from swarm_msgs_py.messages.radio import Delivery, Presence
-from swarm_msgs_py.messages.report import MissionReport, Mode
+from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.network import make_network
+from swarm_msgs_py.plan_course import Course
+from swarm_msgs_py.plan_motion import contour_at, goals_at
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
@@ -43,6 +50,8 @@ class Mission:
         Control period [s].
     bounds : tuple of float or None
         Least x, least y, greatest x, greatest y that a shape may reach [m]; None: no limits.
+    stages : sequence of Stage
+        Shapes that follow the first.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917 - collaborators and settings that the composition root provides
@@ -54,23 +63,28 @@ class Mission:
         shape: FloatArray,
         period_s: float,
         bounds: tuple[float, float, float, float] | None = None,
+        stages: Sequence[Stage] = (),
     ) -> None:
         self._config = config
         self._maker = PlanMaker(config.partition, roster, obstacles, bounds, config.asked)
         self._membership = Membership(config, [group.type for group in roster.groups])
         self._network = make_network(MISSION, network, period_s)
         self._dissemination = Dissemination(config)
-        self._ordered: FloatArray | None = shape
+        self._period = period_s
+        self._expected = roster.size
+        self._first: FloatArray | None = shape  # not yet planned for
+        self._schedule = StageSchedule(stages)
+        self._parking = ParkingWatch()
         self._plan: Plan | None = None
+        self._course = Course()
         self._body = b""
-        self._reports: dict[NodeId, Report] = {}
         self._newest_epoch = 0
         self._corrupt = 0
 
     def step(self, inputs: MissionInputs) -> MissionOutputs:
         """Advance by one tick."""
         for delivery in self._network.receive(inputs.tick, inputs.inbox):
-            self._take(delivery, inputs.time)
+            self._take(delivery, inputs)
         reachable = tuple(node for node in self._network.reachable if node != MISSION)
         self._watch_mesh(reachable, inputs.time)
         plan, notice = self._replan(inputs)
@@ -83,7 +97,7 @@ class Mission:
     def _epoch(self) -> int:
         return 0 if self._plan is None else self._plan.epoch
 
-    def _take(self, delivery: Delivery, time: float) -> None:
+    def _take(self, delivery: Delivery, inputs: MissionInputs) -> None:
         """Act on what another radio sent to this one; rows of costs concern only the robots."""
         try:
             body = decode_body(delivery.body)
@@ -91,17 +105,17 @@ class Mission:
             self._corrupt += 1
             return
         if isinstance(body, Report):
-            self._reports[body.robot] = body
-            self._membership.take_report(body, time, self._destination(body))
+            self._parking.take(body, inputs.time)
+            self._membership.take_report(body, inputs.time, self._destination(body, inputs.tick))
             self._note_epoch(body.robot, body.epoch)
-        elif isinstance(body, RowRequest) and self._is_to_be_told(body.epoch, time):
+        elif isinstance(body, RowRequest) and self._is_to_be_told(body.epoch, inputs.time):
             self._network.send(delivery.origin, self._body)
 
     def _is_to_be_told(self, epoch: int, time: float) -> bool:
         """Return whether a robot that holds the plan of `epoch`, and asks, needs an answer."""
         return epoch < self._epoch and not self._dissemination.is_on_its_way(time)
 
-    def _destination(self, report: Report) -> FloatArray | None:
+    def _destination(self, report: Report, tick: int) -> FloatArray | None:
         """Return where a robot is driving that reports [m], None if it is not, or speaks of another plan.
 
         That is its goal; where there are none, the nearest point of the shape.
@@ -110,10 +124,10 @@ class Mission:
         if plan is None or report.epoch != plan.epoch:
             return None
         if not plan.task.has_goals:
-            return nearest_inside(plan.contour, report.position)
+            return nearest_inside(contour_at(plan, tick), report.position)
         if not 0 <= report.goal < len(plan.goals):
             return None
-        goal: FloatArray = plan.goals[report.goal]
+        goal: FloatArray = goals_at(plan, tick)[report.goal]
         return goal
 
     def _watch_mesh(self, reachable: tuple[NodeId, ...], time: float) -> None:
@@ -130,46 +144,100 @@ class Mission:
 
     def _replan(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Return the new plan, if there is cause for one, and a line for the operator."""
-        if inputs.shape is not None:
-            self._ordered = inputs.shape
-        if self._ordered is not None:
-            shape, self._ordered = self._ordered, None
-            return self._plan_shape(shape, inputs.time)
+        ordered = self._ordered(inputs)
+        if ordered is not None:
+            return self._plan_shape(ordered, inputs, "shape refused")
         if self._plan is None:
             return None, ""
+        stage = self._schedule.next_due(inputs.time, self._rested(self._plan, inputs.time))
+        if stage is not None:
+            return self._plan_stage(stage, inputs)
         if self._newest_epoch > self._plan.epoch:
             # Robots hold a plan of an earlier life of this computer; only a higher number replaces it.
             notice = f"robots hold plan {self._newest_epoch} of an earlier mission computer; sending ours again"
-            self._put_in_force(encode_body(self._maker.renumbered(self._plan, self._next_epoch)), inputs.time)
+            self._put_in_force(encode_body(self._maker.renumbered(self._plan, self._next_epoch)), inputs)
             return self._plan, notice
         if self._membership.is_regrouping_due(inputs.time):
-            return self._plan_members(inputs.time)
+            return self._plan_members(inputs)
         return None, ""
 
-    def _plan_shape(self, shape: FloatArray, time: float) -> tuple[Plan | None, str]:
-        """Plan for a shape that was ordered; refuse one that cannot be used."""
+    def _ordered(self, inputs: MissionInputs) -> Stage | None:
+        """Return the shape that the operator has just ordered, which ends the schedule, or at first the first shape."""
+        if inputs.shape is not None:
+            self._first = None
+            self._schedule.cancel()
+            return Stage(inputs.shape, self._config.morph_s)
+        first, self._first = self._first, None
+        return None if first is None else Stage(first)
+
+    def _rested(self, plan: Plan, time: float) -> float:
+        """Return for how long everybody has been at rest in the shape, below 0 if they are not [s]."""
+        motion = plan.motion
+        formed_at = motion.ends * self._period if motion is not None else -math.inf
+        robots = self._membership.present(time)
+        # Who has not been heard at all by the time that makes a silent robot lost is not waited for.
+        expected = self._expected - len(self._membership.lost(time)) if time < self._config.lost_after_s else 0
+        if time < formed_at:
+            expected = self._expected + 1
+        return self._parking.rested(time, plan.epoch, formed_at, robots, expected)
+
+    def _plan_stage(self, stage: Stage, inputs: MissionInputs) -> tuple[Plan | None, str]:
+        """Plan for the next stage of the schedule, which goes no further if that is refused."""
+        plan, notice = self._plan_shape(stage, inputs, f"stage {self._schedule.done + 1} refused")
+        if plan is None:
+            self._schedule.break_off()
+        else:
+            self._schedule.finish()
+        return plan, notice
+
+    def _plan_shape(self, stage: Stage, inputs: MissionInputs, refusal: str) -> tuple[Plan | None, str]:
+        """Plan for a shape that was ordered, or for the motion to it; refuse one that cannot be used."""
+        lost = self._membership.lost(inputs.time)
         try:
-            body = encode_body(self._maker.for_shape(self._next_epoch, shape, self._membership.lost(time)))
+            if self._plan is None or stage.over_s == 0.0:
+                plan = self._maker.for_shape(self._next_epoch, stage.contour, lost)
+            else:
+                ticks = max(1, round(stage.over_s / self._period))
+                move = Move(stage.contour, self._led(inputs.tick), ticks, self._period, stage.rotation_rad)
+                plan = self._maker.for_move(self._next_epoch, move, self._course.at(move.begins), lost)
+            body = encode_body(plan)
         except SwarmError as error:
-            return None, self._refusal(f"shape refused: {error}")
-        self._membership.account(time)
-        self._put_in_force(body, time)
+            return None, self._refusal(f"{refusal}: {error}")
+        self._membership.account(inputs.time)
+        self._put_in_force(body, inputs)
         return self._plan, ""
 
-    def _plan_members(self, time: float) -> tuple[Plan | None, str]:
+    def _led(self, tick: int) -> int:
+        """Return the tick in which a motion begins that is ordered in `tick`."""
+        return tick + max(1, math.ceil(self._config.lead_s / self._period - 1e-9))
+
+    def _plan_members(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Plan for those who are there now, so that nobody waits for the lost and no goal is where a body stands."""
+        time = inputs.time
         lost = self._membership.lost(time)
         change = change_line({member.robot for member in lost}, self._membership.accounted)
         self._membership.account(time)
         try:
-            plan = self._maker.for_members(self._next_epoch, lost)
+            plan = self._moving_members(inputs.tick, lost) or self._maker.for_members(self._next_epoch, lost)
             body = encode_body(plan)
         except SwarmError as error:
             return None, self._refusal(f"{change}, but a new plan is not possible: {error}")
-        self._put_in_force(body, time)
+        self._put_in_force(body, inputs)
         notice = f"{change}; new plan for {plan.robot_count} robots"
         _log.info(notice)
         return self._plan, notice
+
+    def _moving_members(self, tick: int, lost: Sequence[Member]) -> Plan | None:
+        """Return a plan for those who are there to end the motion that is going on; None if none is, or can be."""
+        assert self._plan is not None  # members are only lost under a plan
+        move = rest_of(self._plan, self._led(tick), self._period)
+        if move is None:
+            return None
+        try:
+            return self._maker.for_move(self._next_epoch, move, self._course.at(move.begins), lost)
+        except SwarmError as error:
+            _log.info("the motion cannot go on: %s", error)
+            return None
 
     @property
     def _next_epoch(self) -> int:
@@ -181,12 +249,13 @@ class Mission:
         _log.info(notice)
         return notice
 
-    def _put_in_force(self, body: bytes, time: float) -> None:
+    def _put_in_force(self, body: bytes, inputs: MissionInputs) -> None:
         self._body = body
         # Viewers and metrics see exactly what the robots hold: positions in centimeters.
         self._plan = plan = self._maker.as_held(body)
+        self._course.put(inputs.tick, plan)
         self._newest_epoch = plan.epoch
-        self._dissemination.restart(plan.epoch, time)
+        self._dissemination.restart(plan.epoch, inputs.time)
         _log.info("plan %d: %s for %d robots", plan.epoch, plan.task.value, plan.robot_count)
 
     def _presence(self, tick: int) -> Presence:
@@ -204,17 +273,15 @@ class Mission:
         )
 
     def _report(self, reachable: tuple[NodeId, ...], notice: str) -> MissionReport:
-        parked = (
-            robot
-            for robot, report in sorted(self._reports.items())
-            if report.mode == Mode.PARKED and report.epoch == self._epoch
-        )
         counters = self._network.counters
         return MissionReport(
             epoch=self._epoch,
             informed=self._dissemination.informed,
             reachable=reachable,
-            parked=tuple(parked),
+            parked=self._parking.parked(self._epoch),
             notice=notice,
             counters=replace(counters, corrupt=counters.corrupt + self._corrupt),
+            stage=self._schedule.done,
+            stages_left=self._schedule.left,
+            is_broken_off=self._schedule.is_broken_off,
         )

@@ -9,18 +9,23 @@ import numpy as np
 import shapely
 
 from mission_computer.membership import Member
+from mission_computer.move import Move
 from mission_computer.shape import check_inside, load_shape
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import ShapeError
-from swarm_msgs_py.messages.bodies import Plan, Task
+from swarm_msgs_py.geometry.morphing import Morph, morph_between
+from swarm_msgs_py.messages.bodies import Motion, Plan, Task
 from swarm_msgs_py.partition import GoalSet, PartitionConfig, adapt, partition
 from swarm_msgs_py.partition.domain import check_obstacles
+from swarm_msgs_py.partition.moving import knots_for, track
 from swarm_msgs_py.plan_goals import completed, goals_crc, is_contour
+from swarm_msgs_py.plan_motion import contour_at, goals_at
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 CORNERS = 8  # of the polygon around a lost robot's body
 SIGMAS, DOUBT_MAX_M = 2.0, 1.0  # a body may be so far from where it believed to be; more would block too much
+SHARES = np.linspace(0.0, 1.0, 25)  # of the time of a motion, at which the way of the shape is looked at
 ROUNDING_M = 0.0071  # half the diagonal of a centimeter: so far may a corner be moved when a plan is encoded
 
 
@@ -57,7 +62,7 @@ class PlanMaker:
         self._bounds = bounds
         self._contour = np.empty((0, 2))
         self._full = GoalSet(np.empty((0, 2)), np.empty(0, dtype=np.int64))
-        self._rows: dict[int, IntArray] = {}  # per epoch, the row in `_full` of each goal
+        self._rows: dict[int, IntArray] = {}  # per epoch, the row of each goal in `_full`, or in the first of its track
 
     def for_shape(self, epoch: int, shape: FloatArray, lost: Sequence[Member]) -> Plan:
         """Return the first plan for a shape, computed on the numbers that the robots will see.
@@ -71,9 +76,7 @@ class PlanMaker:
         FrameError
             If the plan cannot be put into a packet.
         """
-        contour = load_shape(load_shape(shape).round(2))  # plans travel in centimeters
-        if self._bounds is not None:
-            check_inside(contour, self._bounds, "ordered shape")
+        contour = self._sound(shape)
         if self._task is not Task.GOALS:
             plan = self._without_goals(epoch, contour, lost)
             self._contour = contour
@@ -103,12 +106,9 @@ class PlanMaker:
         if self._task is not Task.GOALS:
             return self._without_goals(epoch, self._contour, lost)
         roster = self._roster.without(member.type for member in lost)
-        rows = self._kept_rows(roster, lost)
+        rows = self._kept_rows(self._full, roster, lost)
         bodies = self._bodies(lost)
-        goals = None
-        if len(rows) == roster.size:
-            start = GoalSet(self._full.positions[rows], self._full.types[rows])
-            goals = adapt(start, self._contour, roster, self._obstacles + bodies, self._config)
+        goals = self._thinned(self._full, rows, self._contour, roster, lost)
         if goals is None:
             goals = partition(self._contour, roster, self._obstacles, self._config, keep_outs=bodies)
             plan = self._plan(epoch, self._contour, goals, lost)
@@ -117,6 +117,64 @@ class PlanMaker:
         plan = self._plan(epoch, self._contour, goals, lost)
         self._rows[epoch] = rows
         return plan
+
+    def for_move(self, epoch: int, move: Move, present: Plan, lost: Sequence[Member]) -> Plan:
+        """Return a plan whose shape moves, from where that of the present plan will be, as the robots will see it.
+
+        Robots keep their goals, which move along, as long as it is the same robots that have them; else goals are left
+        out, or all are found anew, and the robots share them out again.
+
+        Parameters
+        ----------
+        epoch : int
+        move : Move
+        present : Plan
+            That says where the shape is when the motion begins.
+        lost : sequence of Member
+
+        Raises
+        ------
+        ShapeError
+            If the shape cannot be used, or cannot get there: its contour crosses itself on the way, leaves the arena or
+            passes over an obstacle, or the method knows no moving shapes.
+        ConfigError
+            If no robot is left.
+        FrameError
+            If the plan cannot be put into a packet.
+        """
+        contour, start = self._sound(move.target), contour_at(present, move.begins).round(2)
+        morph = morph_between(start, contour, move.rotation_rad)
+        self._check_way(morph)
+        bodies, roster = self._bodies(lost), self._roster.without(member.type for member in lost)
+        knots, nowhere = knots_for(move.duration_s), np.empty((0, 0, 2))
+        motion = Motion(move.begins, move.ticks, start, move.rotation_rad, nowhere, knots)
+        goals, follows = GoalSet(np.empty((0, 2)), np.empty(0, dtype=np.int64)), 0
+        if self._task.has_goals:
+            goals, follows = self._beginning(present, move, start, roster, lost)
+            motion = replace(motion, track=goals.positions[None])
+        if self._task is Task.GOALS:
+            places = track(morph, goals, roster, self._obstacles + bodies, self._config, knots=knots)
+            goals, motion = GoalSet(places[-1], goals.types), replace(motion, track=places)
+        plan = Plan(
+            epoch,
+            contour,
+            self._obstacles + bodies,
+            goals.positions,
+            goals.types,
+            len(bodies),
+            self._task,
+            roster=roster if self._task is not Task.GOALS else None,
+            method=self._config.method if self._task is Task.PARTITION else None,
+            motion=motion,
+            follows=follows,
+        )
+        held = self.as_held(encode_body(plan))
+        if self._task is Task.PARTITION:
+            held = replace(held, goals_crc=goals_crc(held.goals, held.goal_types))
+            encode_body(held)
+        self._contour, self._full = contour, GoalSet(held.goals, held.goal_types)
+        self._rows = {number: np.arange(len(held.goals)) for number in range(follows or epoch, epoch + 1)}
+        return held
 
     def renumbered(self, plan: Plan, epoch: int) -> Plan:
         """Return the same plan under another number."""
@@ -129,6 +187,64 @@ class PlanMaker:
         plan = decode_body(body)
         assert isinstance(plan, Plan)  # the type that was encoded
         return completed(plan, self._config)
+
+    def _sound(self, shape: FloatArray) -> FloatArray:
+        """Return a shape that was ordered as its plan tells it.
+
+        Raises
+        ------
+        ShapeError
+            If it cannot be used.
+        """
+        contour = load_shape(load_shape(shape).round(2))  # plans travel in centimeters
+        if self._bounds is not None:
+            check_inside(contour, self._bounds, "ordered shape")
+        return contour
+
+    def _check_way(self, morph: Morph) -> None:
+        """Refuse a way that leads out of the arena or over an obstacle of the map.
+
+        Raises
+        ------
+        ShapeError
+            Naming the share of the way.
+        """
+        for share in SHARES:
+            contour = morph.at(float(share))
+            try:
+                check_obstacles(contour, self._obstacles)
+                if self._bounds is not None:
+                    check_inside(contour, self._bounds, "shape")
+            except ShapeError as error:
+                raise ShapeError(f"after {100.0 * share:.0f} % of the way: {error}") from None
+
+    def _beginning(
+        self, present: Plan, move: Move, start: FloatArray, roster: Roster, lost: Sequence[Member]
+    ) -> tuple[GoalSet, int]:
+        """Return the goals with which a motion begins, and the epoch that their ids come from, 0 if from none.
+
+        Raises
+        ------
+        ShapeError
+            If the shape has no room for all goals where the motion begins.
+        """
+        here = GoalSet(goals_at(present, move.begins).round(2), present.goal_types)
+        if np.array_equal(np.sort(here.types), np.sort(roster.interleaved_types())):
+            return here, present.follows or present.epoch
+        rows = self._kept_rows(here, roster, lost)
+        goals = self._thinned(here, rows, start, roster, lost)
+        if goals is None:
+            goals = partition(start, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
+        return GoalSet(goals.positions.round(2), goals.types), 0
+
+    def _thinned(
+        self, goals: GoalSet, rows: IntArray, contour: FloatArray, roster: Roster, lost: Sequence[Member]
+    ) -> GoalSet | None:
+        """Return those of the goals that stay, clear of bodies; None if they are too few, or cannot be got apart."""
+        if len(rows) != roster.size:
+            return None
+        start = GoalSet(goals.positions[rows], goals.types[rows])
+        return adapt(start, contour, roster, self._obstacles + self._bodies(lost), self._config)
 
     def _without_goals(self, epoch: int, contour: FloatArray, lost: Sequence[Member]) -> Plan:
         """Return a plan that says only what the robots find the goals from, or what drives them.
@@ -147,6 +263,7 @@ class PlanMaker:
         held = self.as_held(encode_body(plan))
         if not is_contour(held.contour):
             raise ShapeError("the shape is too finely jagged for a plan as wide as this; simplify it")
+        self._rows = {epoch: np.arange(len(held.goals))}
         return replace(held, goals_crc=goals_crc(held.goals, held.goal_types))
 
     def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
@@ -156,30 +273,30 @@ class PlanMaker:
         encode_body(plan)
         return plan
 
-    def _kept_rows(self, roster: Roster, lost: Sequence[Member]) -> IntArray:
-        """Return which of the first goals stay, ascending; too few of them if some type has more robots than before.
+    def _kept_rows(self, goals: GoalSet, roster: Roster, lost: Sequence[Member]) -> IntArray:
+        """Return which of the goals stay, ascending; too few of them if some type has more robots than before.
 
         First to go are goals that a body covers, then those that lost robots had taken.
         """
-        covered = self._is_covered(lost)
-        taken = np.zeros(len(self._full.types), dtype=bool)
+        covered = self._is_covered(goals, lost)
+        taken = np.zeros(len(goals.types), dtype=bool)
         for member in lost:
             rows = self._rows.get(member.epoch)
-            if rows is not None and 0 <= member.goal < len(rows):
+            if rows is not None and 0 <= member.goal < len(rows) and rows[member.goal] < len(taken):
                 taken[rows[member.goal]] = True
         order = np.lexsort((np.arange(len(taken)), taken, covered))
-        kept = [row for group in roster.groups for row in order[self._full.types[order] == group.type][: group.count]]
+        kept = [row for group in roster.groups for row in order[goals.types[order] == group.type][: group.count]]
         return np.array(sorted(kept), dtype=np.int64)
 
-    def _is_covered(self, lost: Sequence[Member]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Return for each of the first goals whether a lost robot's body is in its way."""
-        reaches = self._roster.radii_of(self._full.types) + self._config.gaps.obstacle_m
+    def _is_covered(self, goals: GoalSet, lost: Sequence[Member]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return for each of the goals whether a lost robot's body is in its way."""
+        reaches = self._roster.radii_of(goals.types) + self._config.gaps.obstacle_m
         covered = np.zeros(len(reaches), dtype=bool)
-        goals = shapely.points(self._full.positions)
+        places = shapely.points(goals.positions)
         for member in lost:
             if member.position is not None:
                 where = shapely.linestrings([member.position, member.ahead or member.position])
-                covered |= shapely.distance(goals, where) < reaches + self._reach(member)
+                covered |= shapely.distance(places, where) < reaches + self._reach(member)
         return covered
 
     def _bodies(self, lost: Sequence[Member]) -> tuple[FloatArray, ...]:

@@ -188,9 +188,13 @@ class Agent:
     ) -> VelocityCommand:
         """Return the body-frame command that follows the path, or the forces, and keeps clear of what is near."""
         planner = self._planner_for(decision.obstacles)
-        wanted = self._follower.step(planner, estimate.position, decision.destination, _sigma(estimate), around)
+        wanted = self._follower.step(
+            planner, estimate.position, decision.destination, _sigma(estimate), around, decision.drift
+        )
         path = self._follower.path
         reach = float(np.hypot(*(path[0] - estimate.position))) if len(path) else 0.0
+        if decision.drift is not None:
+            reach = max(reach, float(np.hypot(*wanted)) * self._period)  # where it is bound for moves on
         if decision.velocity is not None:
             # Forces look at others farther ahead themselves; they are asked again in a tick.
             wanted, reach = decision.velocity, float(np.hypot(*decision.velocity)) * self._period

@@ -3,19 +3,22 @@
 The places in a plan are ``uint16`` steps from the plan's least x and y; a step is a centimeter, in a plan more than
 655 m wide the least power of two of centimeters that covers it. The plan is by far the longest body, and every radio
 waits for it: this halves it. A plan whose goals the robots find for themselves, or that has none, says instead for whom
-it is: 5 bytes per type of robot instead of 5 per goal.
+it is: 5 bytes per type of robot instead of 5 per goal. Only a plan whose shape moves tells its motion, behind all else
+(`motion_codec`): one bit of the task says so.
 """
 
 from __future__ import annotations
 
 import math
 import struct
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from swarm_msgs_py.binary import COORDINATE_MAX, Reader, checked, frozen, packed, packed_integers
 from swarm_msgs_py.errors import ConfigError, FrameError
-from swarm_msgs_py.messages.bodies import Plan, Task
+from swarm_msgs_py.messages.bodies import Motion, Plan, Task
+from swarm_msgs_py.motion_codec import check_track, decode_head, decode_track, encode_head, encode_track
 from swarm_msgs_py.partition.config import Method
 from swarm_msgs_py.roster import Roster, TypeGroup
 from swarm_msgs_py.types import FloatArray, IntArray
@@ -29,6 +32,7 @@ _CM_PER_M, _MM_PER_M = 100.0, 1000.0
 _OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
 _DOUBLINGS_MAX = 16
 _ROUNDING = 1e-6  # [mm]; what was decoded is encoded as the same number
+_MOVES = 0x80  # bit of the task in plans with a motion
 _TASKS, _METHODS = tuple(Task), tuple(Method)  # they travel as their numbers in this order
 
 ROBOTS_MAX = 1000
@@ -50,12 +54,13 @@ def encode_plan(plan: Plan) -> bytes:
         raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
     _check_bodies(plan.bodies, len(plan.obstacles))
     named = plan.goals if plan.task is Task.GOALS else _NO_GOALS
-    groups = (plan.contour, *plan.obstacles, named)
+    groups = (plan.contour, *plan.obstacles, named, *_moving_places(plan))
     doublings, steps = _in_steps(checked(np.concatenate([np.reshape(group, (-1, 2)) for group in groups])))
     origin = steps.min(axis=0) if len(steps) else np.zeros(2, dtype=np.int64)
-    contour, *obstacles, goals = np.split(steps - origin, np.cumsum([len(group) for group in groups])[:-1])
-    counts = len(contour), len(obstacles), plan.bodies
-    head = packed(_HEAD, plan.epoch, *counts, _TASKS.index(plan.task), doublings, *origin.tolist())
+    contour, *others = np.split(steps - origin, np.cumsum([np.size(group) // 2 for group in groups])[:-1])
+    obstacles, goals, moving = others[: len(plan.obstacles)], others[len(plan.obstacles)], others[-2:]
+    task = _TASKS.index(plan.task) | (_MOVES if plan.motion is not None else 0)
+    head = packed(_HEAD, plan.epoch, len(contour), len(obstacles), plan.bodies, task, doublings, *origin.tolist())
     parts = [head, packed_integers(contour, "<u2")]
     for obstacle in obstacles:
         parts += [packed(_COUNT, len(obstacle)), packed_integers(obstacle, "<u2")]
@@ -67,6 +72,8 @@ def encode_plan(plan: Plan) -> bytes:
         if plan.method is None:
             raise FrameError("a plan to partition a shape without the method")
         parts.append(packed(_PARTITION, _METHODS.index(plan.method), plan.goals_crc))
+    if plan.motion is not None:
+        parts.append(_encode_motion(plan, plan.motion, *moving))
     return b"".join(parts)
 
 
@@ -80,29 +87,28 @@ def decode_plan(reader: Reader) -> Plan:
     """
     epoch, corners, obstacles, bodies, number, doublings, *origin = reader.fields(_HEAD)
     _check_bodies(bodies, obstacles)
-    if number >= len(_TASKS):
+    if number & ~_MOVES >= len(_TASKS):
         raise FrameError(f"unknown task: {number}")
     if doublings > _DOUBLINGS_MAX:
         raise FrameError(f"a step of 2^{doublings} cm")
-
-    def points(count: int) -> FloatArray:
-        steps = np.array(origin) + reader.array("<u2", 2 * count).astype(np.int64).reshape(count, 2)
-        return frozen(checked(steps * 2**doublings / _CM_PER_M))
-
-    contour = points(corners)
-    polygons = tuple(points(reader.fields(_COUNT)[0]) for _ in range(obstacles))
-    task = _TASKS[number]
+    grid = _Grid(np.array(origin), doublings)
+    contour = grid.read_points(reader, corners)
+    polygons = tuple(grid.read_points(reader, reader.fields(_COUNT)[0]) for _ in range(obstacles))
+    task = _TASKS[number & ~_MOVES]
+    goals, types, roster, method, crc = _NO_GOALS, _NO_TYPES, None, None, 0
     if task is Task.GOALS:
-        (goals,) = reader.fields(_COUNT)
-        places = points(goals)
-        return Plan(epoch, contour, polygons, places, frozen(reader.array("<u1", goals).astype(np.int64)), bodies)
-    roster, method, crc = _decode_roster(reader), None, 0
+        (count,) = reader.fields(_COUNT)
+        goals = grid.read_points(reader, count)
+        types = _read_types(reader, count)
+    else:
+        roster = _decode_roster(reader)
     if task is Task.PARTITION:
         method_number, crc = reader.fields(_PARTITION)
         if method_number >= len(_METHODS):
             raise FrameError(f"unknown partition method: {method_number}")
         method = _METHODS[method_number]
-    return Plan(epoch, contour, polygons, _NO_GOALS, _NO_TYPES, bodies, task, roster, method, crc)
+    plan = Plan(epoch, contour, polygons, goals, types, bodies, task, roster, method, crc)
+    return _decode_motion(reader, plan, grid) if number & _MOVES else plan
 
 
 def shortening(plan: Plan) -> str:
@@ -114,6 +120,77 @@ def shortening(plan: Plan) -> str:
         f"it has {goals}{len(plan.contour)} contour points of 4, and {len(plan.obstacles)} obstacles with {corners} "
         f"corners of 4: {remedy} the contour or the obstacles"
     )
+
+
+def _moving_places(plan: Plan) -> tuple[FloatArray, FloatArray]:
+    """Return the places that a motion adds to its plan: the first contour, and what is told of the goals.
+
+    Raises
+    ------
+    FrameError
+        If the track does not lead to the goals.
+    """
+    motion = plan.motion
+    if motion is None:
+        return _NO_GOALS, _NO_GOALS
+    if not plan.task.has_goals:
+        return motion.start, _NO_GOALS
+    if plan.task is Task.PARTITION:
+        if motion.track.shape[1:] != plan.goals.shape or not len(motion.track):
+            raise FrameError("a motion without the goals that it begins with")
+        return motion.start, motion.track[0]
+    check_track(motion.track, plan.goals, motion.knots)
+    return motion.start, motion.track
+
+
+def _encode_motion(plan: Plan, motion: Motion, start: IntArray, places: IntArray) -> bytes:
+    parts = [encode_head(motion, plan.follows), packed_integers(start, "<u2")]
+    if plan.task is Task.GOALS:
+        parts.append(encode_track(places.reshape(motion.track.shape)))
+    elif plan.task is Task.PARTITION:
+        parts += [packed_integers(places, "<u2"), packed_integers(plan.goal_types, "<u1")]
+    return b"".join(parts)
+
+
+def _decode_motion(reader: Reader, plan: Plan, grid: _Grid) -> Plan:
+    head = decode_head(reader)
+    start = grid.read_points(reader, head.corners)
+    goals, types, track = plan.goals, plan.goal_types, np.empty((0, 0, 2))
+    if plan.task is Task.GOALS:
+        track = grid.places(decode_track(reader, grid.steps(goals), head.knots))
+    elif plan.roster is not None and plan.task is Task.PARTITION:
+        goals = grid.read_points(reader, plan.roster.size)
+        types = _read_types(reader, plan.roster.size)
+        if (np.sort(types) != np.sort(plan.roster.interleaved_types())).any():
+            raise FrameError("a motion that begins with goals for other robots")
+        track = frozen(goals[None].copy())
+    motion = Motion(head.begins, head.ticks, start, head.rotation_rad, track, head.knots)
+    return replace(plan, goals=goals, goal_types=types, motion=motion, follows=head.follows)
+
+
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """The steps of a plan, and the places that they stand for."""
+
+    origin: IntArray
+    doublings: int
+
+    def places(self, steps: IntArray) -> FloatArray:
+        """Return the places of (..., 2) steps from the origin [m]."""
+        return frozen(checked((self.origin + steps) * 2**self.doublings / _CM_PER_M))
+
+    def steps(self, places: FloatArray) -> IntArray:
+        """Return the steps that stand for (..., 2) places."""
+        steps: IntArray = np.rint(places * (_CM_PER_M / 2**self.doublings)).astype(np.int64) - self.origin
+        return steps
+
+    def read_points(self, reader: Reader, count: int) -> FloatArray:
+        """Return the next (count, 2) points [m]."""
+        return self.places(reader.array("<u2", 2 * count).astype(np.int64).reshape(count, 2))
+
+
+def _read_types(reader: Reader, count: int) -> IntArray:
+    return frozen(reader.array("<u1", count).astype(np.int64))
 
 
 def _encode_roster(plan: Plan) -> bytes:

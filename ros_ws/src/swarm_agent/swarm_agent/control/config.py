@@ -54,6 +54,9 @@ class ControlConfig(Config):
     gain_1_s: float = setting(1.0, "speed per meter to the goal, close to it", unit="1/s", above=0.0, maximum=2.0)
     park_m: float = setting(0.05, "a robot this close to its goal parks", unit="m", above=0.0)
     unpark_m: float = setting(0.15, "a parked robot this far from its goal starts again", unit="m", above=0.0)
+    park_drift_m_s: float = setting(
+        0.02, "a robot may park at a goal that moves slower than this, and let it go on a bit", unit="m/s", minimum=0.0
+    )
     heading_gain_1_s: float = setting(0.5, "turn rate per radian of heading error", unit="1/s", minimum=0.0, maximum=2)
     avoidance: AvoidanceConfig = section(AvoidanceConfig, "collision avoidance")
     yielding: YieldingConfig = section(YieldingConfig, "making way")

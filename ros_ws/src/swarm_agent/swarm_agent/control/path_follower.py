@@ -20,6 +20,9 @@ _AHEAD = 1.5
 _REACHED = 0.05
 """A way-point this near is behind [m]."""
 
+_JUMP = 2.0
+"""A destination that is this many times farther from the last one than its drift explains is another one."""
+
 
 class PathFollower:
     """Keeps the path to a destination up to date and says how fast to drive along it.
@@ -48,15 +51,19 @@ class PathFollower:
         """Whether the robot rests at its destination."""
         return self._parked
 
-    def step(
+    def step(  # noqa: PLR0913, PLR0917 - where the robot is, and where it is to be
         self,
         planner: PathPlanner,
         position: FloatArray,
         destination: FloatArray | None,
         sigma: float = 0.0,
         contacts: FloatArray = _NO_PATH,
+        drift: FloatArray | None = None,
     ) -> FloatArray:
         """Return the velocity that follows the path, world frame, shape (2,) [m/s].
+
+        To a destination that moves the robot adds its velocity to what makes up for the distance (spec 12.1, v_ff), and
+        does not park unless it hardly moves.
 
         Parameters
         ----------
@@ -70,14 +77,17 @@ class PathFollower:
             Standard deviation of the estimate, per axis [m]; who knows less parks sooner and starts again later.
         contacts : (n, 2) array
             Sensed surface points relative to the robot, axes of the world [m].
+        drift : (2,) array or None
+            Velocity of the destination [m/s]; None: it is at rest.
         """
-        self._retarget(planner, destination)
+        if drift is None or not self._carry(planner, destination, drift):
+            self._retarget(planner, destination)
         if destination is None:
             return _STAND
         self._advance(planner, position, destination, contacts)
         if not len(self.path):
             return _STAND  # no way there: wait for the map or the assignment to change
-        return self._velocity(position, sigma)
+        return self._velocity(position, sigma) if drift is None else self._pursuit(position, sigma, drift)
 
     def _retarget(self, planner: PathPlanner, destination: FloatArray | None) -> None:
         """Forget the path when the destination or the map is another one."""
@@ -90,6 +100,20 @@ class PathFollower:
             self._destination, self._planner = destination, planner
             self._parked = False
             self.path = _NO_PATH
+
+    def _carry(self, planner: PathPlanner, destination: FloatArray | None, drift: FloatArray) -> bool:
+        """Move the end of the path with a destination that drifts [m/s]; False if this is another destination."""
+        if destination is None or self._destination is None or planner is not self._planner:
+            return False
+        step = float(np.hypot(*(destination - self._destination)))
+        if step > _JUMP * float(np.hypot(*drift)) * self._period + _REACHED:
+            return False
+        self._destination = destination
+        if len(self.path):
+            self.path = np.concatenate((self.path[:-1], destination[None]))
+            if len(self.path) > 1 and not planner.is_clear(self.path[-2], destination):
+                self.path = _NO_PATH
+        return True
 
     def _advance(
         self, planner: PathPlanner, position: FloatArray, destination: FloatArray, contacts: FloatArray
@@ -128,6 +152,23 @@ class PathFollower:
         self._parked = is_last and distance < limit
         if self._parked or distance == 0.0:
             return _STAND
+        return self._towards(offset, is_last=is_last)
+
+    def _pursuit(self, position: FloatArray, sigma: float, drift: FloatArray) -> FloatArray:
+        """Return the velocity of a robot whose destination moves with `drift` [m/s]."""
+        if len(self.path) > 1:
+            self._parked = False
+            return self._towards(self.path[0] - position, is_last=False)
+        if float(np.hypot(*drift)) < self._config.park_drift_m_s:
+            return self._velocity(position, sigma)
+        self._parked = False
+        velocity: FloatArray = self._config.gain_1_s * (self.path[0] - position) + drift
+        speed = float(np.hypot(*velocity))
+        return velocity * min(1.0, self._config.speed_max_m_s / speed) if speed > 0.0 else velocity
+
+    def _towards(self, offset: FloatArray, *, is_last: bool) -> FloatArray:
+        """Return the velocity that covers a way [m], other than none."""
+        distance = float(np.hypot(*offset))
         # A corner may be reached at full speed, but not overshot within the tick.
         gain = self._config.gain_1_s if is_last else 1.0 / self._period
         velocity: FloatArray = offset * min(gain, self._config.speed_max_m_s / distance)

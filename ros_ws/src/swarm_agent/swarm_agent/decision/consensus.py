@@ -106,9 +106,11 @@ class Consensus:
             except FrameError:
                 continue  # a newer software's record, or damage that the frame's checksum missed
             if isinstance(body, Plan):
+                before = self.book.since
                 is_newer = self.book.is_news(body) and self.book.adopt(self._completed(body))
                 if is_newer:
                     self._handed_on.clear()
+                if self.book.since != before:
                     self._offered = 0
                 self._note(tick, changed=is_newer)
             elif isinstance(body, CostRow):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from swarm_agent.decision.aim import Aim
 from swarm_agent.decision.assignment import agreed_objective, assign
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
@@ -17,6 +18,8 @@ from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.bodies import Objective, Plan
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.network import Network
+from swarm_msgs_py.plan_course import Course
+from swarm_msgs_py.plan_motion import goals_at
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
@@ -65,12 +68,13 @@ class GoalSeeking:
             robot, config=config, paths=paths, energy=energy, mesh=mesh, consensus=consensus, period_s=period_s
         )
         self._swaps = SwapOffers(robot, config.swap, paths, mesh, consensus, period_s)
+        self._period = period_s
         self._patience = round(config.patience_s / period_s)
         self._settle = round(config.settle_s / period_s)
         self._rally_after = round(config.rally_after_s / period_s)
         self._rally_point = np.array(config.rally_point_m or (0.0, 0.0))
         self._epoch = 0
-        self._epoch_since = 0
+        self._since, self._since_tick = 0, 0  # epoch with which the rows began, and when that plan was heard
         # Epoch, digest and whether patience is over: what the goal follows from.
         self._decided_on: tuple[int, int, bool] | None = None
         self._goal = -1
@@ -78,7 +82,9 @@ class GoalSeeking:
         self._proposed, self._proposed_at = -1, 0  # what the rows say, and since which tick
         self._is_undecided = True
         self._in_touch_at = 0  # last tick that began with a goal of this robot, or with a way to hear of one
-        self._destination: FloatArray | None = None  # the last goal taken, or where to set out for until there is one
+        self._course = Course()  # the plans with the goal ids of the one in force
+        self._aim: Aim | None = None  # the last goal taken
+        self._departure: FloatArray | None = None  # where to set out for until there is one
         self._contour = np.empty((0, 2))  # the shape of the plan in force
 
     def step(self, tick: int, position: FloatArray, takes_part: bool = True, is_blocked: bool = False) -> Decision:
@@ -102,21 +108,24 @@ class GoalSeeking:
             searching = tick >= self._rally_after
             target = self._rally_point if searching else None
             return Decision(-1, target, Mode.SEARCHING if searching else Mode.WAITING, self._first_map)
-        if plan.epoch != self._epoch:
+        if self._consensus.book.since != self._since:
             self._begin(tick, plan, position)
+        elif plan.epoch != self._epoch:
+            self._go_on(tick, plan)
         self._offers.step(tick, plan, position, self._goal, takes_part=takes_part)
         if takes_part and self._proposed == self._goal:
-            surcharge = self._swaps.step(plan, position, self._taken, is_blocked=is_blocked)
+            surcharge = self._swaps.step(tick, plan, position, self._taken, is_blocked=is_blocked)
             if surcharge is not None:
                 self._offers.offer_swap(tick, plan, position, self._goal, surcharge)
         self._decide(tick, plan)
         if not takes_part:
             return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
         if self._goal >= 0:
-            self._destination = plan.goals[self._goal]
-            return Decision(self._goal, self._destination, Mode.TRAVELING, plan.obstacles)
-        if self._is_undecided:
-            return Decision(-1, self._destination, Mode.UNASSIGNED, plan.obstacles)
+            self._aim = Aim(self._course, self._goal)
+        if self._goal >= 0 or self._is_undecided:
+            place, drift = (self._departure, None) if self._aim is None else self._aim.at(tick, self._period)
+            mode = Mode.TRAVELING if self._goal >= 0 else Mode.UNASSIGNED
+            return Decision(self._goal, place, mode, plan.obstacles, drift=drift)
         if tick - self._in_touch_at >= self._rally_after:  # no newer plan can reach the robot where it is
             return Decision(-1, self._rally_point, Mode.SEARCHING, plan.obstacles)
         return Decision(-1, None, Mode.UNASSIGNED, plan.obstacles)
@@ -124,13 +133,24 @@ class GoalSeeking:
     def _begin(self, tick: int, plan: Plan, position: FloatArray) -> None:
         """Take note of a new plan.
 
-        Until its rows are complete, what the old plan wanted is the best guess if the shape is the same (spec 11.5).
+        Until its rows are complete, what the old plan wanted is the best guess if the shape is the same (spec 11.5), or
+        moves on from there.
         """
-        self._epoch, self._epoch_since, self._goal = plan.epoch, tick, -1
+        self._epoch, self._since, self._since_tick, self._goal = plan.epoch, self._consensus.book.since, tick, -1
         self._is_undecided, self._taken = True, {}
-        if self._destination is None or not np.array_equal(plan.contour, self._contour):
-            self._destination = early_destination(position, plan.goals[plan.goal_types == self._type.type])
+        has_guess = self._aim is not None or self._departure is not None
+        is_same_shape = plan.motion is not None or np.array_equal(plan.contour, self._contour)
+        if not (has_guess and is_same_shape):
+            goals = goals_at(plan, tick)[plan.goal_types == self._type.type]
+            self._aim, self._departure = None, early_destination(position, goals)
+        self._course = Course()
+        self._course.put(tick, plan)
         self._contour = plan.contour
+
+    def _go_on(self, tick: int, plan: Plan) -> None:
+        """Take note of a plan that moves the goals on: whose goal is which stays as it is."""
+        self._epoch, self._contour = plan.epoch, plan.contour
+        self._course.put(tick, plan)
 
     def _decide(self, tick: int, plan: Plan) -> None:
         """Take the goal that the assignment gives, once the rows are complete or patience is over.
@@ -147,7 +167,7 @@ class GoalSeeking:
     def _propose(self, tick: int, plan: Plan) -> None:
         """Solve the assignment if anything has changed that it follows from."""
         book = self._consensus.book
-        patience_over = tick - self._epoch_since >= self._patience
+        patience_over = tick - self._since_tick >= self._patience
         basis = (plan.epoch, book.digest, patience_over)
         if basis == self._decided_on:
             return

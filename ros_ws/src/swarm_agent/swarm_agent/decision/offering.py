@@ -78,7 +78,7 @@ class RowOffers:
         self._consensus = consensus
         self._pause = max(1, round(config.refresh_pause_s / period_s))
         self._spread = max(1, round(config.refresh_spread_s / period_s))
-        self._epoch = 0
+        self._since = 0  # epoch with which the rows began
         self._weight = WEIGHT_ONE  # for this plan
         self._lengths: IntArray | None = None  # of the paths [cm], as the last row was made from them
         self._driven = 0  # of the path to the goal, under this plan [cm]
@@ -106,19 +106,20 @@ class RowOffers:
         takes_part : bool
             Whether the robot is there for a goal.
         """
-        if plan.epoch != self._epoch:
+        since = self._consensus.book.since
+        if since != self._since:
             self._weight = weight_of(self._config.weight, self._energy.left)
             self._lengths, self._driven = None, 0
-            self._epoch, self._kind, self._version = plan.epoch, None, 0
+            self._since, self._kind, self._version = since, None, 0
             self._members, self._members_at, self._is_stale = frozenset(), None, False
         self._watch_members(position)
         kind = self._due(tick, plan, goal, takes_part=takes_part)
         if kind is not None:
-            self._offer(tick, position, self._row(plan, position, goal, kind), kind)
+            self._offer(tick, position, self._row(tick, plan, position, goal, kind), kind)
 
     def offer_swap(self, tick: int, plan: Plan, position: FloatArray, goal: int, surcharge: IntArray) -> None:
         """Offer costs that are higher by a surcharge for each goal of the type, (m,) [cm]; none keeps the own goal."""
-        self._offer(tick, position, self._row(plan, position, goal, Row.COSTS, surcharge), Row.COSTS)
+        self._offer(tick, position, self._row(tick, plan, position, goal, Row.COSTS, surcharge), Row.COSTS)
         self._is_surcharged = True
 
     def _watch_members(self, position: FloatArray) -> None:
@@ -157,8 +158,8 @@ class RowOffers:
         self._offered_at, self._offered_from = tick, position.copy()
         self._is_stale = self._is_surcharged = False
 
-    def _row(
-        self, plan: Plan, position: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None
+    def _row(  # noqa: PLR0913, PLR0917 - what a row is made from
+        self, tick: int, plan: Plan, position: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None
     ) -> IntArray:
         """Return the costs of the goals of the own type [cm], (m,); (0,) for an empty row."""
         if kind is Row.EMPTY:
@@ -166,7 +167,7 @@ class RowOffers:
         is_own = self._paths.goals(plan) == goal
         if kind is Row.RESERVATION:
             return np.where(is_own, 0 if self._lengths is None else self._lengths, UNREACHABLE)
-        lengths = self._paths.of(plan, position)
+        lengths = self._paths.of(tick, plan, position)
         keep, discount = round(self._config.keep_goal_m * CM_PER_M), 0
         if self._config.objective is Objective.BOTTLENECK:
             lengths = self._whole(lengths, is_own)

@@ -7,6 +7,7 @@ import numpy as np
 from swarm_agent.planning.config import PlanningConfig
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
+from swarm_msgs_py.plan_motion import goals_at
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, IntArray
 
@@ -35,20 +36,23 @@ class PathCosts:
         """Return the ids of the goals for this type, ascending, (m,)."""
         return np.flatnonzero(plan.goal_types == self._type.type)
 
-    def of(self, plan: Plan, position: FloatArray) -> IntArray:
+    def of(self, tick: int, plan: Plan, position: FloatArray) -> IntArray:
         """Return the length of the shortest path from a place to each goal of the type, (m,) [cm].
+
+        Goals that move count where they are now, those that are about to move where they begin.
 
         An estimate that is far off may lie in a wall or outside the arena, from where no path leads anywhere. The robot
         is somewhere else for certain; then beelines are the best guess.
 
         Parameters
         ----------
+        tick : int
         plan : Plan
         position : (2,) array
             The place [m].
         """
         planner = planner_for(plan.obstacles, self._type.coverage_radius_m, self._config)
-        goals = plan.goals[plan.goal_types == self._type.type]
+        goals = goals_at(plan, tick)[plan.goal_types == self._type.type]
         meters = planner.costs(position, goals)
         if not np.isfinite(meters).any():
             meters = np.linalg.norm(goals - position, axis=1)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
 
 from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, WEIGHT_ONE, CostRow, Plan, Task, is_newer_epoch
+from swarm_msgs_py.plan_course import lineage
 from swarm_msgs_py.plan_goals import is_contour
 from swarm_msgs_py.types import NodeId
 
@@ -22,11 +26,24 @@ class RowBook:
     A replicated set that only grows: rows merge by highest version, so robots that have exchanged everything hold the
     same book whatever the order of arrival. Rows that come before their plan count as soon as it is there: a packet
     is delivered once, and short ones overtake long ones.
+
+    A plan may follow another one: its goals are those of the other one, which move on. Then the rows stay what they
+    were, under the new number, and nobody has to offer anything again.
+
+    Attributes
+    ----------
+    plan : Plan or None
+        The newest plan heard.
+    digest : int
+        Fingerprint of the rows.
+    since : int
+        Epoch of the plan with which the rows began that are held now; 0 for none.
     """
 
     def __init__(self) -> None:
         self.plan: Plan | None = None
         self.digest = 0
+        self.since = 0
         self._rows: dict[NodeId, CostRow] = {}
         self._early: dict[NodeId, CostRow] = {}  # of the newest plan of which a row of that robot was heard
 
@@ -40,12 +57,14 @@ class RowBook:
         return is_newer_epoch(plan.epoch, self.epoch) and _is_sound(plan)
 
     def adopt(self, plan: Plan) -> bool:
-        """Take a newer plan, forget the rows of the old one; return whether it was news."""
+        """Take a newer plan; return whether it was news. The old rows are forgotten unless the plan follows theirs."""
         if not self.is_news(plan):
             return False
+        if self.plan is not None and _have_the_same_goals(self.plan, plan):
+            self._rows = {robot: replace(row, epoch=plan.epoch) for robot, row in self._rows.items()}
+        else:
+            self._rows, self.digest, self.since = {}, 0, plan.epoch
         self.plan = plan
-        self._rows = {}
-        self.digest = 0
         early, self._early = self._early, {}
         for row in early.values():
             self.put(row)
@@ -53,6 +72,8 @@ class RowBook:
 
     def put(self, row: CostRow) -> bool:
         """Take a row of this epoch if it is newer than the one held; return whether it was (and not absurd)."""
+        if self.plan is not None and lineage(self.plan) <= row.epoch < self.epoch:
+            row = replace(row, epoch=self.epoch)  # of a plan that this one follows
         if row.epoch != self.epoch:
             self._keep_early(row)
             return False
@@ -122,6 +143,11 @@ class RowBook:
         if self.plan is None:
             return False
         return len(row.costs) in (0, int((self.plan.goal_types == row.robot_type).sum()))
+
+
+def _have_the_same_goals(held: Plan, plan: Plan) -> bool:
+    """Return whether the goals of a newer plan are, by id, those of the one held, which move on."""
+    return lineage(held) == lineage(plan) and np.array_equal(held.goal_types, plan.goal_types)
 
 
 def _is_sound(plan: Plan) -> bool:

@@ -25,6 +25,8 @@ class Decision:
         Map to plan the path on [m].
     velocity : (2,) array or None
         How to move, world frame [m/s], where no place is wanted but a motion. Collision avoidance has the last word.
+    drift : (2,) array or None
+        How the destination itself moves until the next tick, world frame [m/s]; None: it is at rest.
     """
 
     goal: int
@@ -32,6 +34,7 @@ class Decision:
     mode: Mode
     obstacles: tuple[FloatArray, ...]
     velocity: FloatArray | None = None
+    drift: FloatArray | None = None
 
 
 class Strategy(Protocol):

@@ -60,12 +60,13 @@ class SwapOffers:
         self._mesh = mesh
         self._consensus = consensus
         self._period = period_s
-        self._epoch = 0
+        self._since = 0  # epoch with which the rows began
         self._blocked = 0.0  # seconds, of late
         self._tries = 0  # for this plan
 
     def step(
         self,
+        tick: int,
         plan: Plan,
         position: FloatArray,
         taken: Mapping[NodeId, int],
@@ -76,6 +77,7 @@ class SwapOffers:
 
         Parameters
         ----------
+        tick : int
         plan : Plan
             In force.
         position : (2,) array
@@ -85,14 +87,15 @@ class SwapOffers:
         is_blocked : bool
             Whether it is hardly getting on.
         """
-        if plan.epoch != self._epoch:
-            self._epoch, self._blocked, self._tries = plan.epoch, 0.0, 0
+        since = self._consensus.book.since
+        if since != self._since:
+            self._since, self._blocked, self._tries = since, 0.0, 0
         self._blocked = max(0.0, self._blocked + (self._period if is_blocked else -self._period))
         own, after, growth = taken.get(self._robot), self._config.after_s, 2 ** min(self._tries, DOUBLINGS_MAX)
         if after is None or own is None or not is_blocked or self._blocked < after * growth:
             return None
-        mine = self._paths.of(plan, position)
-        in_the_way = self._in_the_way(plan, position, taken, mine)
+        mine = self._paths.of(tick, plan, position)
+        in_the_way = self._in_the_way(tick, plan, position, taken, mine)
         if in_the_way:
             self._blocked = 0.0
             self._tries += 1
@@ -103,14 +106,14 @@ class SwapOffers:
         return None
 
     def _in_the_way(
-        self, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int], mine: IntArray
+        self, tick: int, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int], mine: IntArray
     ) -> list[tuple[NodeId, IntArray, NDArray[np.bool_]]]:
         """Return the robots between this one and its goal, nearest first: their costs [cm], and the goals behind them.
 
         Only those count with which goals can be exchanged. The goal of the other one is not behind it: it will leave.
         """
         found = []
-        for apart, neighbor, theirs in self._near(plan, position, taken):
+        for apart, neighbor, theirs in self._near(tick, plan, position, taken):
             beyond = apart + theirs <= mine + round(self._config.detour_max_m * CM_PER_M)
             beyond[taken[neighbor]] = False
             if beyond[taken[self._robot]]:
@@ -118,7 +121,7 @@ class SwapOffers:
         return found
 
     def _near(
-        self, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int]
+        self, tick: int, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int]
     ) -> list[tuple[int, NodeId, IntArray]]:
         """Return neighbors of the own type that have goals, nearest first: how far they are and what they pay [cm]."""
         near = []
@@ -126,7 +129,7 @@ class SwapOffers:
             apart = float(np.hypot(*(presence.position - position)))
             is_alike = presence.robot_type == self._paths.robot_type and presence.epoch == plan.epoch
             if is_alike and neighbor in taken and apart <= self._config.distance_m:
-                near.append((round(apart * CM_PER_M), neighbor, self._paths.of(plan, presence.position)))
+                near.append((round(apart * CM_PER_M), neighbor, self._paths.of(tick, plan, presence.position)))
         return sorted(near, key=lambda entry: entry[:2])
 
     def _is_worth_it(

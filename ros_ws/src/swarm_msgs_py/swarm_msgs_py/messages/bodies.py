@@ -25,6 +25,41 @@ class Task(Enum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """How the shape of a plan comes about: known in advance, so that one plan tells all of it.
+
+    Attributes
+    ----------
+    begins : int
+        Tick in which the shape begins to move.
+    ticks : int
+        How long it moves, at least 1.
+    start : (k, 2) array
+        Contour at the beginning, counter-clockwise [m]; the plan has the one at the end.
+    rotation_rad : float
+        By how much the shape turns on its way, counter-clockwise; it may be more than a full turn [rad].
+    track : (m, n, 2) array
+        Goals at m = `knots` equal intervals from beginning to end, both included [m]. As decoded, a plan for
+        `Task.PARTITION` has only the first of them (m = 1): `swarm_msgs_py.plan_goals.completed` finds the others. No
+        goals (n = 0, whatever m): the robots are driven by forces.
+    knots : int
+        How many intervals' ends there are, at least 2.
+    """
+
+    begins: int
+    ticks: int
+    start: FloatArray
+    rotation_rad: float
+    track: FloatArray
+    knots: int
+
+    @property
+    def ends(self) -> int:
+        """Tick from which on the shape is at rest."""
+        return self.begins + self.ticks
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """What the swarm is to do: the mission computer's numbered broadcast.
 
@@ -52,6 +87,11 @@ class Plan:
         Of the partition, for `Task.PARTITION`.
     goals_crc : int
         For `Task.PARTITION`, the checksum of the goals that the mission computer found.
+    motion : Motion or None
+        How the shape comes about; None: it is there at once. Contour and goals of the plan are those at the end of the
+        motion, so whoever knows nothing of motions sees a plan for the end of it.
+    follows : int
+        Epoch of the plan whose goals, by id, are where the goals of this one begin; 0: of none.
     """
 
     epoch: int
@@ -64,6 +104,8 @@ class Plan:
     roster: Roster | None = None
     method: Method | None = None
     goals_crc: int = 0
+    motion: Motion | None = None
+    follows: int = 0
 
     @property
     def robot_count(self) -> int:

@@ -123,6 +123,12 @@ class MissionReport:
     notice : str
         One line for the operator, empty when there is nothing to say (e.g. why a shape was refused).
     counters : RadioCounters
+    stage : int
+        Which stage of the schedule is in force, 0 for the first shape.
+    stages_left : int
+        Stages of the schedule that are still to come, or would be.
+    is_broken_off : bool
+        Whether the schedule goes no further, because its next stage was refused.
     """
 
     epoch: int
@@ -131,3 +137,6 @@ class MissionReport:
     parked: tuple[NodeId, ...]
     notice: str
     counters: RadioCounters
+    stage: int = 0
+    stages_left: int = 0
+    is_broken_off: bool = False

@@ -15,7 +15,7 @@ from swarm_msgs_py.partition.mesh_energy import MeshEnergy
 from swarm_msgs_py.partition.own_frame import OwnFrame
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
 from swarm_msgs_py.partition.spreading import spread_sizes
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray
 
 STEP_FLOOR = 0.2  # share of the step limit that is left when bubbles come to rest
 GRID = 2.0**20  # bubbles are rounded to this many parts of a meter, so that rounding errors do not grow
@@ -59,7 +59,7 @@ class BubblePacking:
         placed = place(own)
         if placed is None:
             return None
-        packing = _Packing(self._config, own)
+        packing = Packing(self._config, own)
         annealed = [packing.anneal(placed, 0.0)]
         for first in range(1, min(self._config.starts, len(placed))):
             start = place(own, first)
@@ -71,7 +71,7 @@ class BubblePacking:
         return frame.leave(next((centers for centers in packed if centers is not None), placed))
 
 
-class _Packing:
+class Packing:
     """Bubbles in a shape, and how they move.
 
     Parameters
@@ -116,14 +116,20 @@ class _Packing:
 
     def rest(self, centers: FloatArray) -> FloatArray | None:
         """Return the centers when no bubble moves any more; None if they do not keep all gaps then."""
-        for _ in range(self._config.iterations_max):
+        centers = self._separator.apart(self.relaxed(centers, self._config.iterations_max), FINAL_SWEEPS)
+        return centers if self._separator.is_separated(centers) else None
+
+    def relaxed(self, centers: FloatArray, iterations: int, free: BoolArray | None = None) -> FloatArray:
+        """Return the centers after so many iterations, or when no bubble moves any more; of those that are free."""
+        for _ in range(iterations):
             moved = self._step(centers, 1.0, STEP_FLOOR)
+            if free is not None:
+                moved = np.where(free[:, None], moved, centers)
             longest = float(np.abs(moved - centers).max())
             centers = moved
             if longest < self._config.tolerance_m:
                 break
-        centers = self._separator.apart(centers, FINAL_SWEEPS)
-        return centers if self._separator.is_separated(centers) else None
+        return centers
 
     def _settle(self, centers: FloatArray, softness: float, iterations: int, rim_stretch: float = 0.0) -> FloatArray:
         """Return the centers after ranges began longer by `softness` and steps at their longest."""

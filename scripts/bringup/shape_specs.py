@@ -1,0 +1,117 @@
+"""What shape, and which shapes after it: the part of a scenario that says so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from swarm_msgs_py.config import Config, setting
+from swarm_msgs_py.errors import ConfigError
+
+HOLD_S = 3.0
+"""How long robots must have been at rest before the next stage, where a stage says neither when nor how long."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeSpec(Config):
+    """The contour to form: a library name, a file, or points, and how it is placed."""
+
+    name: str | None = setting(None, "library shape; beside a file or points it is only what to call them")
+    file: str | None = setting(None, "GeoJSON or JSON file, relative to the scenario's own folder")
+    points: tuple[tuple[float, float], ...] | None = setting(None, "contour [x, y], once around", unit="m")
+    scale: float = setting(1.0, "size factor about the center of area", above=0.0, maximum=1e4)
+    rotation_deg: float = setting(0.0, "turn about the center of area, counter-clockwise", unit="deg")
+    translation_m: tuple[float, float] = setting((0.0, 0.0), "shift after that", unit="m")
+
+    def __post_init__(self) -> None:
+        """Check that there is exactly one source of points."""
+        Config.__post_init__(self)
+        if self.file is not None and self.points is not None:
+            raise ConfigError("file and points are both given; remove one of them")
+        if self.file is None and self.points is None and self.name is None:
+            raise ConfigError("no shape; give one of name, file or points")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SplitSpec(Config):
+    """How a shape parts in two halves of equal area."""
+
+    direction_deg: float = setting(0.0, "in which the halves move apart, counter-clockwise from +x", unit="deg")
+    gap_m: float = setting(4.0, "free distance between the halves", unit="m", above=0.0, maximum=1e3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StageSpec(Config):
+    """One more shape after the first, or what becomes of the shape before it; and when, and for how long it moves."""
+
+    shape: ShapeSpec | None = setting(None, "another shape")
+    translate_m: tuple[float, float] | None = setting(
+        None, "instead: the shape before it, shifted by so much", unit="m"
+    )
+    scale: float | None = setting(
+        None, "likewise: so many times as large, about the center of area", above=0.0, maximum=1e4
+    )
+    rotate_deg: float = setting(
+        0.0,
+        "likewise: turned by so much about the center of area, counter-clockwise; beside `shape`: by how much the shape"
+        " before it turns on the way",
+        unit="deg",
+        minimum=-1080.0,
+        maximum=1080.0,
+    )
+    split: SplitSpec | None = setting(None, "instead: the shape before it in two halves, apart from each other")
+    join: bool = setting(False, "instead: the halves of the last split together again")
+    over_s: float = setting(
+        0.0,
+        "how long the shape before it takes to turn into this one, while the robots move along; 0: it is a new shape to"
+        " which they drive by themselves",
+        unit="s",
+        minimum=0.0,
+        maximum=1e5,
+    )
+    at_s: float | None = setting(
+        None,
+        "when it is ordered, or as soon after as the stages before it have been; motions begin mission.lead_s later",
+        unit="s",
+        minimum=0.0,
+    )
+    hold_s: float | None = setting(
+        None,
+        f"instead: for how long all robots must report to be at rest before; null, and no at_s: {HOLD_S:g}",
+        unit="s",
+        minimum=0.0,
+    )
+
+    def __post_init__(self) -> None:
+        """Check that there is one shape, and one time for it.
+
+        Raises
+        ------
+        ConfigError
+            Naming what is too much or missing.
+        """
+        Config.__post_init__(self)
+        given = {
+            "shape": self.shape is not None,
+            "split": self.split is not None,
+            "join": self.join,
+            "translate_m, scale or rotate_deg": self._is_transformed,
+        }
+        chosen = [name for name, is_given in given.items() if is_given]
+        if not chosen:
+            raise ConfigError("a stage without a shape; give shape, split, join, translate_m, scale or rotate_deg")
+        if len(chosen) > 1:
+            raise ConfigError(f"{' and '.join(chosen)} are both given; make them two stages")
+        if self.shape is not None and self.rotate_deg and not self.over_s:
+            raise ConfigError("rotate_deg beside shape is the turn on the way; give over_s, or shape.rotation_deg")
+        if self.at_s is not None and self.hold_s is not None:
+            raise ConfigError("at_s and hold_s are both given; remove one of them")
+
+    @property
+    def rest_s(self) -> float:
+        """How long robots must have been at rest, if there is no time [s]."""
+        return HOLD_S if self.hold_s is None else self.hold_s
+
+    @property
+    def _is_transformed(self) -> bool:
+        is_turned = self.rotate_deg != 0.0 and self.shape is None
+        return self.translate_m is not None or self.scale is not None or is_turned

@@ -1,0 +1,144 @@
+"""The numbers of a run with several shapes: how each was formed, and how well moving ones were followed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bringup.scenario import SuccessSpec
+from swarm_msgs_py.plan_course import Course
+from swarm_msgs_py.plan_motion import contour_at
+from swarm_msgs_py.types import BoolArray, FloatArray
+from swarm_sim.metrics.displacement import path_lengths
+from swarm_sim.metrics.morphing import MorphMetrics, morph_metrics
+from swarm_sim.metrics.settling import settling
+from swarm_sim.metrics.trace import Trace
+
+MOMENT = 1e-9  # [s]; times are sums of fractions of a tick
+
+
+@dataclass(frozen=True, slots=True)
+class MotionResults:
+    """How the swarm followed its motions, the worst of them each time.
+
+    Attributes
+    ----------
+    latency_s : float
+        Lag behind the shape (spec 14.6) [s].
+    outside : float
+        Mean share of the robots outside the shape while it moves.
+    recovery_s : float or None
+        From the end of a motion until the swarm fits the shape [s]; None if after some motion it never did.
+    """
+
+    latency_s: float
+    outside: float
+    recovery_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class StageResults:
+    """How one shape of several was formed.
+
+    Attributes
+    ----------
+    settling_s : float or None
+        From its order until all were at rest in it, up to the next order [s]; None if they never were.
+    displacement_m : float
+        How far all robots together drove until then [m].
+    """
+
+    settling_s: float | None
+    displacement_m: float
+
+
+def motion_results(trace: Trace, course: Course, period_s: float, live: BoolArray) -> MotionResults | None:
+    """Evaluate all motions that came to their end in a run; None if there are none.
+
+    Parameters
+    ----------
+    trace : Trace
+    course : Course
+        The plans of the run.
+    period_s : float
+        Duration of a tick [s].
+    live : (n,) bool array
+        The robots that count.
+    """
+    found = list(_motions(trace, course, period_s, live)) if live.any() else []
+    if not found:
+        return None
+    recoveries = [metrics.recovery_s for metrics in found if metrics.recovery_s is not None]
+    return MotionResults(
+        max(metrics.latency_s for metrics in found),
+        max(metrics.outside_mean for metrics in found),
+        max(recoveries) if len(recoveries) == len(found) else None,
+    )
+
+
+def _motions(trace: Trace, course: Course, period_s: float, live: BoolArray) -> Iterator[MorphMetrics]:
+    def contour_of(time: float) -> FloatArray:
+        tick = time / period_s
+        return contour_at(course.at(tick), tick)
+
+    plans, times = course.plans, trace.sample_times
+    for number, (_, plan) in enumerate(plans):
+        motion = plan.motion
+        until = plans[number + 1][0] * period_s if number + 1 < len(plans) else np.inf
+        in_time = times <= until + MOMENT
+        if motion is None or not in_time.any() or motion.ends * period_s > times[in_time][-1]:
+            continue
+        since = times >= motion.begins * period_s - MOMENT
+        rows = np.flatnonzero(in_time & since)
+        yield morph_metrics(
+            times[rows], trace.positions[rows][:, live], contour_of, motion.begins * period_s, motion.ends * period_s
+        )
+
+
+def stage_results(
+    trace: Trace, course: Course, ordered: list[int], period_s: float, success: SuccessSpec
+) -> tuple[StageResults, ...]:
+    """Evaluate each shape of a run, in their order.
+
+    Parameters
+    ----------
+    trace : Trace
+    course : Course
+        The plans of the run.
+    ordered : list of int
+        Tick in which each shape was ordered.
+    period_s : float
+        Duration of a tick [s].
+    success : SuccessSpec
+        What counts as at rest.
+    """
+    ends = [*ordered[1:], len(trace.tick_times)]
+    return tuple(
+        _stage(trace, course, (begin, end), period_s, success)
+        for begin, end in zip(ordered, ends, strict=True)
+        if begin < end
+    )
+
+
+def _stage(trace: Trace, course: Course, ticks: tuple[int, int], period_s: float, success: SuccessSpec) -> StageResults:
+    begin_s, end_s = ticks[0] * period_s, ticks[1] * period_s
+    rows = np.flatnonzero((trace.sample_times >= begin_s - MOMENT) & (trace.sample_times <= end_s + MOMENT))
+    times, live = trace.sample_times[rows], trace.alive[ticks[1] - 1]
+    positions, settled = trace.positions[rows], None
+    if live.any():
+        rest = settling(
+            times,
+            positions[:, live],
+            trace.velocities[rows][:, live],
+            course.at(ticks[1] - 1).contour,
+            speed_max=success.speed_max_m_s,
+            hold=success.hold_s,
+        )
+        settled = rest.time
+    driven = positions if settled is None else positions[times <= settled + MOMENT]
+    return StageResults(
+        None if settled is None else float(settled - times[0]),
+        float(path_lengths(driven, trace.sample_rate).sum()),
+    )

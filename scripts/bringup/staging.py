@@ -1,0 +1,128 @@
+"""The shapes of a scenario's stages: what each makes of the one before it, written out and tried."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from bringup.scenario import Scenario
+from bringup.shape_specs import ShapeSpec, StageSpec
+from mission_computer.move import Move
+from mission_computer.plan_making import PlanMaker
+from mission_computer.stages import Stage
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.geometry.bridges import split
+from swarm_msgs_py.geometry.contour import area_centroid
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.types import FloatArray
+
+
+class Staging:
+    """Makes the contour of one stage after the other.
+
+    Parameters
+    ----------
+    first : (k, 2) array
+        The first shape [m].
+    read : callable
+        Returns the contour that a `ShapeSpec` describes.
+    """
+
+    def __init__(self, first: FloatArray, read: Callable[[ShapeSpec], FloatArray]) -> None:
+        self._contour = first
+        self._read = read
+        self._whole: FloatArray | None = None  # what the halves of the last split make together
+
+    def next(self, spec: StageSpec) -> FloatArray:
+        """Return the contour of the next stage, (k, 2) counter-clockwise [m].
+
+        Raises
+        ------
+        ConfigError
+            If there is nothing to join.
+        ShapeError
+            If the shape cannot be used, or not be split so.
+        """
+        self._contour = self._made(spec)
+        return self._contour
+
+    def _made(self, spec: StageSpec) -> FloatArray:
+        if spec.shape is not None:
+            self._whole = None
+            return self._read(spec.shape)
+        if spec.split is not None:
+            self._whole = self._contour
+            return split(self._contour, math.radians(spec.split.direction_deg), spec.split.gap_m)
+        if spec.join:
+            if self._whole is None:
+                raise ConfigError("nothing to join: no stage before it has split the shape; add one, or remove join")
+            whole, self._whole = self._whole, None
+            return whole
+        center = area_centroid(self._contour)
+        if self._whole is not None:
+            self._whole = _transformed(self._whole, center, spec)
+        return _transformed(self._contour, center, spec)
+
+
+def _transformed(contour: FloatArray, center: FloatArray, spec: StageSpec) -> FloatArray:
+    angle = math.radians(spec.rotate_deg)
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    scale = 1.0 if spec.scale is None else spec.scale
+    moved: FloatArray = center + scale * (contour - center) @ turn + np.array(spec.translate_m or (0.0, 0.0))
+    return moved
+
+
+def written_stage(spec: StageSpec, contour: FloatArray) -> StageSpec:
+    """Return a stage that has its contour written out, so that it depends on no other stage, file or library."""
+    name = "shape" if spec.shape is None else spec.shape.name
+    points = tuple((float(x), float(y)) for x, y in contour)
+    return StageSpec(
+        shape=ShapeSpec(name=name, points=points),
+        rotate_deg=spec.rotate_deg if spec.over_s else 0.0,
+        over_s=spec.over_s,
+        at_s=spec.at_s,
+        hold_s=spec.hold_s,
+    )
+
+
+def stage_of(spec: StageSpec, contour: FloatArray) -> Stage:
+    """Return a stage as the mission computer is told of it."""
+    return Stage(contour, spec.over_s, math.radians(spec.rotate_deg), spec.at_s, spec.rest_s)
+
+
+def check_time(scenario: Scenario, number: int) -> None:
+    """Refuse a stage that would be ordered after the end, or before the one before it.
+
+    Raises
+    ------
+    ConfigError
+    """
+    at_s = scenario.stages[number].at_s
+    if at_s is None:
+        return
+    if at_s >= scenario.duration_s:
+        raise ConfigError(
+            f"at_s: {at_s:g} s is not before the time limit of {scenario.duration_s:g} s; lower it, or raise duration_s"
+        )
+    before = [stage.at_s for stage in scenario.stages[:number] if stage.at_s is not None]
+    if before and at_s < max(before):
+        raise ConfigError(f"at_s: {at_s:g} s is before a stage before it ({max(before):g} s); put them in order")
+
+
+def stage_plan(scenario: Scenario, maker: PlanMaker, stage: Stage, present: Plan) -> Plan:
+    """Return the plan that the mission computer will make for a stage, if it goes well until then.
+
+    Raises
+    ------
+    ShapeError
+        If the shape cannot be used, or cannot get there from the one before it.
+    FrameError
+        If the plan is too large for the radio.
+    """
+    if not stage.over_s:
+        return maker.for_shape(present.epoch + 1, stage.contour, ())
+    period, begins = scenario.sim.period_s, 0 if present.motion is None else present.motion.ends
+    move = Move(stage.contour, begins, max(1, round(stage.over_s / period)), period, stage.rotation_rad)
+    return maker.for_move(present.epoch + 1, move, present, ())

@@ -1,0 +1,131 @@
+"""Shapes that follow each other, move, part and join, and robots that move along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from moving_swarm import Ran, moving_scenario, ran
+
+from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.types import NodeId
+
+MORPH = "[{shape: {points: [[-8, -2], [8, -2], [8, 2], [-8, 2]]}, over_s: 15.0}]"
+SHIFT = "[{translate_m: [6.0, 2.0], over_s: 30.0}]"
+LOSS = ("events=[{at_s: 24.0, kill: [4]}]", "lost_after_s=4", "regroup_pause_s=2")
+METHODS = ("bubble-packing", "voronoi", "forces")
+
+
+def goals_taken(run: Ran, epoch: int) -> dict[NodeId, set[int]]:
+    """Return the goals that each robot reported while it held a plan."""
+    taken: dict[NodeId, set[int]] = {}
+    for record in run.records:
+        for robot, report in record.reports.items():
+            if report.epoch == epoch:
+                taken.setdefault(robot, set()).add(report.goal)
+    return taken
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_shape_turns_into_another_one_and_nobody_is_outside_on_the_way(method: str, tmp_path: Path) -> None:
+    run = ran(moving_scenario(tmp_path, MORPH, method=method))
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert run.verdict.reason.startswith("last of 2 shapes formed: 9 of 9 robots")
+    first, second = run.plans
+    assert second.motion is not None
+    assert second.motion.ticks == 30
+    np.testing.assert_array_equal(second.motion.start, first.contour)
+    assert len(run.outside_in_motion()) == 31
+    assert max(run.outside_in_motion()) == 0.0
+    assert all(record.truth.overlaps == () for record in run.records)
+
+
+def test_everybody_keeps_its_goal_and_says_nothing_more_about_costs(tmp_path: Path) -> None:
+    run = ran(moving_scenario(tmp_path, MORPH))
+
+    before, after = goals_taken(run, 1), goals_taken(run, 2)
+    assert {robot: {max(goals)} for robot, goals in before.items()} == after  # -1 until the first rows are there
+    assert [plan.follows for plan in run.plans] == [0, 1]
+    announced = next(record.tick for record in run.records if record.plan is run.plans[1])
+    told = [
+        sum(report.counters.bytes_sent for report in record.reports.values())
+        for record in run.records[announced + 2 : announced + 6]
+    ]
+    hello = run.records[announced + 2].reports[NodeId(0)].counters
+    per_tick = 9 * hello.bytes_sent / hello.frames_sent
+    assert np.diff(told).max() <= 2.0 * per_tick  # hellos, and a report now and then
+
+
+def test_two_shapes_follow_each_other_under_a_method_that_knows_no_motion(tmp_path: Path) -> None:
+    stages = "[{shape: {name: hw_3_pentagon, scale: 10.0, translation_m: [5.0, 5.0]}}]"
+    run = ran(moving_scenario(tmp_path, stages, method="fractals"))
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert [plan.motion for plan in run.plans] == [None, None]
+    assert run.supervisor.stages[0] == 0
+    ordered = run.records[run.supervisor.stages[1]]
+    assert ordered.plan is run.plans[1]
+    assert all(report.mode is Mode.PARKED for report in run.records[ordered.tick - 1].reports.values())
+
+
+@pytest.mark.parametrize("method", ["bubble-packing", "voronoi"])
+def test_a_shape_parts_in_two_and_closes_again(method: str, tmp_path: Path) -> None:
+    run = ran(
+        moving_scenario(tmp_path, "[{split: {gap_m: 3.0}, over_s: 10.0}, {join: true, over_s: 10.0}]", method=method)
+    )
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert max(run.outside_in_motion()) == 0.0
+    whole, halves, again = run.plans
+    np.testing.assert_array_equal(whole.contour, again.contour)
+    assert np.abs(halves.goals[:, 0]).min() > 1.5  # nobody in the gap
+    assert [plan.follows for plan in run.plans] == [0, 1, 1]
+    assert goals_taken(run, 2) == goals_taken(run, 3)
+
+
+def test_a_shape_is_shifted_turned_and_enlarged(tmp_path: Path) -> None:
+    stages = "[{translate_m: [5.0, 2.0], over_s: 15.0}, {rotate_deg: 90.0, over_s: 20.0}, {scale: 1.3, over_s: 10.0}]"
+    run = ran(moving_scenario(tmp_path, stages))
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert max(run.outside_in_motion()) == 0.0
+    first, shifted, turned, enlarged = run.plans
+    np.testing.assert_allclose(shifted.goals - first.goals, np.tile([5.0, 2.0], (9, 1)), atol=0.011)
+    assert turned.motion is not None
+    assert turned.motion.rotation_rad == pytest.approx(np.pi / 2)
+    np.testing.assert_allclose(enlarged.contour.mean(axis=0), [5.0, 2.0], atol=0.01)
+    assert np.ptp(enlarged.contour[:, 0]) == pytest.approx(1.3 * 8.0, abs=0.02)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_after_a_loss_on_the_way_the_others_move_on(method: str, tmp_path: Path) -> None:
+    run = ran(moving_scenario(tmp_path, SHIFT, *LOSS, method=method))
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert run.alerts == ["r04 dies, as the scenario says", "r04 is lost; new plan for 8 robots"]
+    _, moving, others = run.plans
+    assert moving.motion is not None
+    assert others.motion is not None
+    assert moving.motion.begins < others.motion.begins < moving.motion.ends <= others.motion.ends
+    np.testing.assert_array_equal(others.contour, moving.contour)
+    assert others.robot_count == 8
+    assert max(run.outside_in_motion()) == 0.0
+
+
+def test_a_mission_computer_that_is_off_owes_the_shapes_to_come(tmp_path: Path) -> None:
+    off = "events=[{at_s: 5.0, stop: mission_computer}]"
+    run = ran(moving_scenario(tmp_path, MORPH, off))
+
+    assert not run.verdict.achieved
+    assert "9 of 9 robots at their goals, at rest since" in run.verdict.reason
+    assert run.verdict.reason.endswith("; 1 stage to come, but the mission computer is off")
+
+
+def test_a_motion_that_was_told_goes_on_without_the_mission_computer(tmp_path: Path) -> None:
+    early = "[{shape: {points: [[-8, -2], [8, -2], [8, 2], [-8, 2]]}, over_s: 15.0, at_s: 14.0}]"
+    run = ran(moving_scenario(tmp_path, early, "events=[{at_s: 16.0, stop: mission_computer}]"))
+
+    assert run.verdict.achieved, run.verdict.reason
+    assert max(run.outside_in_motion()) == 0.0

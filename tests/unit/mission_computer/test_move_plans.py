@@ -1,0 +1,142 @@
+"""Plans whose shape moves: where they begin, who keeps which goal, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mission_computer.membership import Member
+from mission_computer.move import Move, rest_of
+from mission_computer.plan_making import PlanMaker
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.messages.bodies import Plan, Task
+from swarm_msgs_py.partition import Method, PartitionConfig
+from swarm_msgs_py.plan_motion import contour_at, goals_at
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
+from swarm_msgs_py.types import FloatArray, NodeId
+
+PERIOD = 0.5
+SQUARE = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]])
+EAST = np.array([12.0, 0.0])
+BOUNDS = (-5.0, -5.0, 40.0, 30.0)
+WALL = np.array([[11.0, 3.0], [12.0, 3.0], [12.0, 5.0], [11.0, 5.0]])
+ROSTER = Roster.of([THESIS_TYPES[0]] * 4 + [THESIS_TYPES[2]] * 2)
+
+
+def make_maker(task: Task = Task.GOALS, method: Method = Method.BUBBLE_PACKING, *obstacles: FloatArray) -> PlanMaker:
+    return PlanMaker(PartitionConfig(method=method), ROSTER, obstacles, BOUNDS, task)
+
+
+def shifted(begins: int = 10, ticks: int = 40, by: FloatArray = EAST) -> Move:
+    return Move(SQUARE + by, begins, ticks, PERIOD)
+
+
+def dead(plan: Plan, goal: int, epoch: int) -> Member:
+    x, y = (float(c) for c in plan.goals[goal])
+    return Member(NodeId(9), int(plan.goal_types[goal]), (x, y - 100.0), epoch, goal, 0.0)
+
+
+def test_a_motion_begins_where_the_plan_before_it_will_be() -> None:
+    maker = make_maker()
+    first = maker.for_shape(1, SQUARE, ())
+    east = maker.for_move(2, shifted(), first, ())
+    north = maker.for_move(3, Move(SQUARE + [0.0, 12.0], 25, 40, PERIOD), east, ())
+
+    assert (east.follows, north.follows) == (1, 1)
+    assert east.motion is not None
+    assert north.motion is not None
+    np.testing.assert_array_equal(east.motion.start, first.contour)
+    np.testing.assert_allclose(goals_at(east, 10), first.goals, atol=0.0051)
+    np.testing.assert_allclose(north.motion.start, contour_at(east, 25), atol=0.0051)
+    np.testing.assert_allclose(goals_at(north, 25), goals_at(east, 25), atol=0.0051)
+    assert goals_at(north, 25)[:, 0].mean() > first.goals[:, 0].mean() + 3.0  # on its way already
+    np.testing.assert_array_equal(north.goal_types, first.goal_types)
+
+
+@pytest.mark.parametrize("task", [Task.PARTITION, Task.FORCES])
+def test_what_robots_find_by_themselves_moves_too(task: Task) -> None:
+    maker = make_maker(task, Method.VORONOI)
+    plan = maker.for_move(2, shifted(), maker.for_shape(1, SQUARE, ()), ())
+
+    assert plan.motion is not None
+    assert len(plan.goals) == (6 if task is Task.PARTITION else 0)
+    assert (plan.follows, plan.goals_crc != 0) == ((1, True) if task is Task.PARTITION else (0, False))
+    np.testing.assert_allclose(contour_at(plan, 30).mean(axis=0), [10.0, 4.0], atol=0.05)
+
+
+def test_without_a_lost_robot_its_goal_is_left_out_and_the_others_move_on_from_where_they_are() -> None:
+    maker = make_maker()
+    east = maker.for_move(2, shifted(), maker.for_shape(1, SQUARE, ()), ())
+    lost = 1
+    rest = rest_of(east, 30, PERIOD)
+    assert rest is not None
+
+    plan = maker.for_move(3, rest, east, [dead(east, lost, epoch=2)])
+
+    kept = [goal for goal in range(6) if goal != lost]
+    assert plan.follows == 0
+    np.testing.assert_allclose(goals_at(plan, 30), goals_at(east, 30)[kept], atol=0.0051)
+    np.testing.assert_array_equal(plan.goal_types, east.goal_types[kept])
+
+
+def test_after_the_motion_losses_are_dealt_with_as_ever() -> None:
+    maker = make_maker()
+    east = maker.for_move(2, shifted(), maker.for_shape(1, SQUARE, ()), ())
+
+    plan = maker.for_members(3, [dead(east, 4, epoch=2)])
+
+    assert plan.motion is None
+    np.testing.assert_array_equal(plan.goals, np.delete(east.goals, 4, axis=0))
+
+
+def test_when_a_robot_is_back_there_are_goals_for_all_again() -> None:
+    maker = make_maker()
+    first = maker.for_shape(1, SQUARE, ())
+    fewer = maker.for_members(2, [dead(first, 0, epoch=1)])
+
+    plan = maker.for_move(3, shifted(), fewer, ())
+
+    assert (len(plan.goals), plan.follows) == (6, 0)
+
+
+@pytest.mark.parametrize(
+    ("obstacles", "by", "words"),
+    [
+        ((WALL,), EAST, r"after \d+ % of the way: obstacle 1 .*covers"),
+        ((), np.array([35.0, 0.0]), "ordered shape: vertex .* outside the arena"),
+    ],
+)
+def test_a_way_that_cannot_be_is_refused(obstacles: tuple[FloatArray, ...], by: FloatArray, words: str) -> None:
+    maker = make_maker(Task.GOALS, Method.BUBBLE_PACKING, *obstacles)
+    first = maker.for_shape(1, SQUARE, ())
+
+    with pytest.raises(ShapeError, match=words):
+        maker.for_move(2, shifted(by=by), first, ())
+    assert maker.for_members(2, []).goals.tobytes() == first.goals.tobytes()  # as if nothing had been asked
+
+
+def test_fractals_do_not_move() -> None:
+    maker = make_maker(Task.GOALS, Method.FRACTALS)
+    first = maker.for_shape(1, SQUARE, ())
+
+    with pytest.raises(ShapeError, match="fractals is not applicable to moving shapes; use bubble-packing or voronoi"):
+        maker.for_move(2, shifted(), first, ())
+
+
+def test_the_rest_of_a_motion_is_no_faster_than_the_whole() -> None:
+    maker = make_maker()
+    whole = maker.for_move(2, Move(SQUARE + EAST, 10, 40, PERIOD, np.pi / 2), maker.for_shape(1, SQUARE, ()), ())
+
+    early, late = rest_of(whole, 20, PERIOD), rest_of(whole, 40, PERIOD)
+
+    assert early is not None
+    assert late is not None
+    assert (early.begins, early.ticks) == (20, 34)  # 84 % of the way in what had been 75 % of the time
+    assert early.rotation_rad == pytest.approx(0.84375 * np.pi / 2)
+    assert (late.begins, late.ticks) == (40, 10)
+    before = rest_of(whole, 5, PERIOD)
+    assert before is not None
+    assert (before.begins, before.ticks) == (10, 40)
+    assert rest_of(whole, 50, PERIOD) is None
+    assert rest_of(maker.for_members(3, []), 5, PERIOD) is None
