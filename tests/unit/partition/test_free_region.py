@@ -26,6 +26,17 @@ def test_points_outside_move_to_the_nearest_boundary_point_and_others_stay() -> 
     assert_allclose(room, [0.0, 0.0, 2.5], atol=0.02)
 
 
+def test_one_point_has_the_same_nearest_point_as_among_many() -> None:
+    region = free_region(load_shape("formation_2"), (), 0.3, 0.0, 0.1)
+    center = region.starts.mean(axis=0)
+    points = center + np.random.default_rng(2).uniform(-15.0, 15.0, (40, 2))
+
+    moved, _ = region.project(points)
+
+    assert 5 < int((moved == points).all(axis=1).sum()) < 35
+    assert_allclose([region.nearest(point) for point in points], moved, atol=1e-12)
+
+
 def test_an_obstacle_beside_the_shape_takes_room_inside() -> None:
     wall = np.array([[10.1, 4.0], [11.0, 4.0], [11.0, 6.0], [10.1, 6.0]])
     region = free_region(SQUARE, (wall,), 1.0, 0.2, 1.0)

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from swarm_agent.control.config import AvoidanceConfig
+from swarm_agent.planar import length_of
 from swarm_msgs_py.types import FloatArray
 
 _SHARE = 0.5  # of the free gap that one of two robots may use up
@@ -42,9 +43,9 @@ _TRACK_DISTANCE = 0.7  # m that what is seen may have moved in one tick and stil
 class _Surroundings:
     """What is near, one row per contact."""
 
-    contacts: FloatArray  # (n, 2) surface points relative to the robot [m]
-    normals: FloatArray  # (n, 2) unit vectors towards them
+    normals: FloatArray  # (n, 2) unit vectors towards the contacts
     limits: FloatArray  # (n,) largest safe velocity along each normal [m/s]
+    centers: FloatArray  # (n, 2) of the discs behind the surface that are not to be driven into [m]
 
 
 class Avoidance:
@@ -63,11 +64,12 @@ class Avoidance:
         self._config = config
         self._radius = radius
         self._period = period_s
+        self._keep_out = radius + config.body_radius_m + config.passing_gap_m  # from those centers [m]
         self._side = 1.0  # +1: pass on the right
         self._patience_lost = 0.0  # seconds without progress, forgotten as progress comes back
         self._halted = 0.0  # seconds without motion
         self._seen = np.empty((0, 2))  # contacts of the last tick
-        self._moved = np.zeros(2)  # own displacement expected since then
+        self._driven = np.zeros(2), np.zeros(2)  # what was chosen then, and the velocity that the robot had
 
     @property
     def is_blocked(self) -> bool:
@@ -94,14 +96,14 @@ class Avoidance:
             Velocity setpoint [m/s]; all vectors are in one non-rotating frame.
         """
         chosen = wanted
-        around = self._look(contacts, velocity) if len(contacts) else None
-        if around is None:
+        if not len(contacts):
             self._calm()
-        elif float(np.hypot(*wanted)) < _STANDSTILL:
+        elif length_of(wanted) < _STANDSTILL:
             self._calm()  # who wants nothing is not blocked
-            if around.limits.min() < 0.0:
-                chosen = _back_out(around)
+            if not self._is_far_from(contacts, velocity):
+                chosen = _back_out(self._look(contacts, velocity), wanted)
         else:
+            around = self._look(contacts, velocity)
             moving = self._track(contacts)
             if self._is_free(wanted, around, moving, reach):
                 self._calm()
@@ -109,42 +111,58 @@ class Avoidance:
                 chosen = self._choose(wanted, around, moving, reach)
                 self._watch_progress(wanted, chosen)
         self._seen = contacts
-        self._moved = chosen * self._period + (velocity - chosen) * self._config.servo_delay_s
+        self._driven = chosen, velocity
         return chosen
+
+    def _is_far_from(self, contacts: FloatArray, velocity: FloatArray) -> bool:
+        """Return whether no limit can be near zero: a quick answer for robots at rest, which in the end all are."""
+        nearest = min(abs(complex(x, y)) for x, y in contacts.tolist())
+        coasting = length_of(velocity) * self._config.servo_delay_s
+        return _SHARE * (nearest - self._radius) - self._config.margin_m - coasting > _STANDSTILL
 
     def _look(self, contacts: FloatArray, velocity: FloatArray) -> _Surroundings:
         """Return the safety limits and velocities of what is near."""
         distances = np.hypot(contacts[:, 0], contacts[:, 1])
         normals = contacts / np.maximum(distances, _STANDSTILL)[:, None]
-        coasting = np.maximum(normals @ velocity, 0.0) * self._config.servo_delay_s
+        coasting = np.maximum(normals.dot(velocity), 0.0) * self._config.servo_delay_s
         limits = (_SHARE * (distances - self._radius) - self._config.margin_m - coasting) / self._period
-        return _Surroundings(contacts, normals, limits)
+        return _Surroundings(normals, limits, contacts + normals * self._config.body_radius_m)
 
     def _track(self, contacts: FloatArray) -> FloatArray:
         """Return how each contact has moved over ground since the last tick, zero for a new one, shape (n, 2) [m/s]."""
         if not len(self._seen):
             return np.zeros_like(contacts)
-        steps = contacts[:, None] + self._moved - self._seen[None]
-        nearest = (steps**2).sum(axis=2).argmin(axis=1)
-        step = steps[np.arange(len(contacts)), nearest]
-        is_same = (step**2).sum(axis=1) < _TRACK_DISTANCE**2
+        chosen, velocity = self._driven
+        moved = chosen * self._period + (velocity - chosen) * self._config.servo_delay_s
+        steps = contacts[:, None] + moved - self._seen[None]
+        squares = _squares(steps)
+        rows, nearest = np.arange(len(contacts)), squares.argmin(axis=1)
+        step, is_same = steps[rows, nearest], squares[rows, nearest] < _TRACK_DISTANCE**2
         velocities: FloatArray = np.where(is_same[:, None], step / self._period, 0.0)
         return velocities
 
     def _is_free(self, wanted: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> bool:
-        return (
-            bool((around.normals @ wanted <= around.limits).all())
-            and not self._hits(wanted[None], around, moving, reach).any()
-        )
+        if not (around.normals.dot(wanted) <= around.limits).all():
+            return False
+        return self._passes(wanted, around, moving) or not self._hits(wanted[None], around, moving, reach).any()
+
+    def _passes(self, wanted: FloatArray, around: _Surroundings, moving: FloatArray) -> bool:
+        """Return whether a velocity leads past everything, however far ahead: mostly so, and quicker than `_hits`."""
+        (east, north), keep_out2 = wanted.tolist(), self._keep_out**2
+        for (x, y), (its_east, its_north) in zip(around.centers.tolist(), moving.tolist(), strict=True):
+            u, v = east - its_east, north - its_north
+            along = u * x + v * y
+            if along > 0.0 and along * along > max(u * u + v * v, _STANDSTILL) * (x * x + y * y - keep_out2):
+                return False
+        return True
 
     def _hits(self, velocities: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> FloatArray:
         """Return how soon each velocity runs into something: 1 at once, 0 not within the horizon; shape (h,)."""
-        keep_out = self._radius + self._config.body_radius_m + self._config.passing_gap_m
-        centers = around.contacts + around.normals * self._config.body_radius_m
+        centers, keep_out = around.centers, self._keep_out
         relative = velocities[:, None] - moving[None]
-        along = (relative * centers).sum(axis=2)
-        square = np.maximum((relative**2).sum(axis=2), _STANDSTILL)
-        apart = (centers**2).sum(axis=1)
+        along = relative[..., 0] * centers[:, 0] + relative[..., 1] * centers[:, 1]
+        square = np.maximum(_squares(relative), _STANDSTILL)
+        apart = _squares(centers)
         depth = along**2 - square * (apart - keep_out**2)
         hit_time = (along - np.sqrt(np.maximum(depth, 0.0))) / square
         speed = np.hypot(velocities[:, 0], velocities[:, 1])[:, None]
@@ -159,7 +177,7 @@ class Avoidance:
 
     def _choose(self, wanted: FloatArray, around: _Surroundings, moving: FloatArray, reach: float) -> FloatArray:
         """Return the best of a fan of headings, each as fast as is safe."""
-        speed = float(np.hypot(*wanted))
+        speed = length_of(wanted)
         forward = wanted / speed
         left = np.array([-forward[1], forward[0]])
         headings = _COS[:, None] * forward + _SIN[:, None] * left
@@ -179,11 +197,11 @@ class Avoidance:
 
     def _watch_progress(self, wanted: FloatArray, chosen: FloatArray) -> None:
         """Lose patience without progress; change the preferred side after too long without motion."""
-        speed = float(np.hypot(*wanted))
+        speed = length_of(wanted)
         slow = _SLOW_SHARE * speed
         lost = self._period if float(wanted @ chosen) < slow * speed else -self._period
         self._patience_lost = min(max(self._patience_lost + lost, 0.0), self._config.stuck_after_s)
-        self._halted = self._halted + self._period if float(np.hypot(*chosen)) < slow else 0.0
+        self._halted = self._halted + self._period if length_of(chosen) < slow else 0.0
         if self._halted >= self._config.stuck_after_s:
             self._side = -self._side
             self._halted = 0.0
@@ -193,8 +211,17 @@ class Avoidance:
         self._halted = 0.0
 
 
-def _back_out(around: _Surroundings) -> FloatArray:
-    """Return the velocity of a robot that wants to rest, out of the margins that it stands in."""
+def _back_out(around: _Surroundings, wanted: FloatArray) -> FloatArray:
+    """Return the velocity of a robot that wants to rest, out of the margins that it stands in, if any."""
+    if around.limits.min() >= 0.0:
+        return wanted
     away = (around.normals * np.minimum(around.limits, 0.0)[:, None]).sum(axis=0)
-    velocity: FloatArray = away * min(1.0, _ESCAPE_SPEED / max(float(np.hypot(*away)), _STANDSTILL))
+    velocity: FloatArray = away * min(1.0, _ESCAPE_SPEED / max(length_of(away), _STANDSTILL))
     return velocity
+
+
+def _squares(vectors: FloatArray) -> FloatArray:
+    """Return the squared lengths of vectors (..., 2)."""
+    x, y = vectors[..., 0], vectors[..., 1]
+    squares: FloatArray = x * x + y * y
+    return squares

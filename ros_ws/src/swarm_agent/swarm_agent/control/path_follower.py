@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from swarm_agent.control.config import ControlConfig
+from swarm_agent.planar import length_of
 from swarm_agent.planning.path_planner import PathPlanner
 from swarm_msgs_py.types import FloatArray
 
@@ -94,7 +95,7 @@ class PathFollower:
         same = self._destination is destination or (
             self._destination is not None
             and destination is not None
-            and bool(np.array_equal(self._destination, destination))
+            and self._destination.tolist() == destination.tolist()
         )
         if not same or planner is not self._planner:
             self._destination, self._planner = destination, planner
@@ -124,7 +125,7 @@ class PathFollower:
         is sensed has no such error, so a way-point stays as long as something stands on the leg after it.
         """
         while len(self.path) > 1 and planner.is_clear(position, self.path[1]):
-            is_reached = float(np.hypot(*(self.path[0] - position))) < _REACHED
+            is_reached = length_of(self.path[0] - position) < _REACHED
             if not is_reached and self._is_obstructed(self.path[1] - position, contacts):
                 break
             self.path = self.path[1:]
@@ -134,7 +135,7 @@ class PathFollower:
 
     def _is_obstructed(self, leg: FloatArray, contacts: FloatArray) -> bool:
         """Return whether a sensed point stands in the way along a leg that starts here, (2,) [m]."""
-        length = float(np.hypot(*leg))
+        length = length_of(leg)
         if not len(contacts) or length == 0.0:
             return False
         direction = leg / length
@@ -144,7 +145,7 @@ class PathFollower:
 
     def _velocity(self, position: FloatArray, sigma: float) -> FloatArray:
         offset = self.path[0] - position
-        distance = float(np.hypot(*offset))
+        distance = length_of(offset)
         is_last = len(self.path) == 1
         config = self._config
         park = max(config.park_m, _PARK_SIGMAS * sigma)

@@ -78,7 +78,8 @@ class ForceDrive:
         pause = self._period / steps
         places = positions
         for step in range(steps):
-            around = Others(others.positions + step * pause * drifts, others.radii, others.heard)
+            moved = others.positions + step * pause * drifts if step else others.positions
+            around = Others(moved, others.radii, others.heard)
             places = places + pause * self._velocities(law.evaluate(places, radii, around))
         mean = (places - positions) / self._period
         speeds = np.hypot(mean[:, 0], mean[:, 1])

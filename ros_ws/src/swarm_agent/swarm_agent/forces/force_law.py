@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -35,52 +34,42 @@ class Others:
         return cls(positions, radii, ~np.eye(len(positions), dtype=np.bool_))
 
 
-@dataclass(frozen=True, eq=False)
 class Offsets:
     """Where others are, as n robots see them.
 
+    Parameters
+    ----------
+    positions : (n, 2) array
+        Of the robots that react [m].
+    radii : (n,) array
+        Their coverage radii [m].
+    others : Others
+
     Attributes
     ----------
-    positions, radii
-        Of the n robots that react, (n, 2) and (n,) [m].
-    others : Others
+    ways : (2, n, m) array
+        From each other robot to each that reacts, east and north [m].
+    distances : (n, m) array
+        Between centers [m].
+    gaps : (n, m) array
+        Between coverage circles, negative where they overlap [m].
     """
 
-    positions: FloatArray
-    radii: FloatArray
-    others: Others
-
-    @cached_property
-    def x(self) -> FloatArray:
-        """From each other robot to each that reacts, east, (n, m) [m]."""
-        x: FloatArray = self.positions[:, :1] - self.others.positions[:, 0]
-        return x
-
-    @cached_property
-    def y(self) -> FloatArray:
-        """From each other robot to each that reacts, north, (n, m) [m]."""
-        y: FloatArray = self.positions[:, 1:] - self.others.positions[:, 1]
-        return y
-
-    @cached_property
-    def distances(self) -> FloatArray:
-        """Between centers, (n, m) [m]."""
-        distances: FloatArray = np.sqrt(self.x * self.x + self.y * self.y)
-        return distances
-
-    @cached_property
-    def gaps(self) -> FloatArray:
-        """Between coverage circles, negative where they overlap, (n, m) [m]."""
-        gaps: FloatArray = self.distances - self.radii[:, None] - self.others.radii
-        return gaps
+    def __init__(self, positions: FloatArray, radii: FloatArray, others: Others) -> None:
+        self.ways: FloatArray = np.subtract(positions.T[:, :, None], others.positions.T[:, None], order="C")
+        x, y = self.ways
+        self.distances: FloatArray = np.sqrt(x * x + y * y)
+        self.gaps: FloatArray = self.distances - radii[:, None] - others.radii
+        self._heard = others.heard
 
     def push(self, strengths: FloatArray) -> FloatArray:
         """Return the sum of forces of given (n, m) strengths away from those who were heard, (n, 2).
 
         Two robots at one point push each other nowhere.
         """
-        weights = np.where(self.others.heard, strengths, 0.0) / np.maximum(self.distances, _TINY)
-        return np.stack([np.einsum("nm,nm->n", weights, self.x), np.einsum("nm,nm->n", weights, self.y)], axis=1)
+        weights = np.where(self._heard, strengths, 0.0) / np.maximum(self.distances, _TINY)
+        push: FloatArray = np.vecdot(self.ways, weights).T
+        return push
 
 
 _TINY = 1e-9  # [m]

@@ -37,13 +37,30 @@ class Ground:
         corners = self._region.starts
         self._doors: FloatArray = corners[:: max(1, len(corners) // _DOORS)].copy()
 
-    def way(self, position: FloatArray, wanted: FloatArray | None) -> tuple[FloatArray, bool]:
+    def eye(self, position: FloatArray) -> FloatArray:
+        """Return where a robot looks around from: `position` itself, or the nearest place out of obstacles' margins.
+
+        Parameters
+        ----------
+        position : (2,) array
+            Center of the robot [m].
+
+        Returns
+        -------
+        (2,) array
+            The same object if it is free [m].
+        """
+        return self._planner.space.project(position)
+
+    def way(self, position: FloatArray, eye: FloatArray, wanted: FloatArray | None) -> tuple[FloatArray, bool]:
         """Return where to go from here.
 
         Parameters
         ----------
         position : (2,) array
             Center of the robot [m].
+        eye : (2,) array
+            Where it looks around from; see `eye` [m].
         wanted : (2,) array or None
             Where it is wanted, to be brought into the inset; None: at the point of the inset to which the shortest path
             from here leads [m].
@@ -55,8 +72,8 @@ class Ground:
         is_last : bool
             Whether that is the end of the path.
         """
-        target = self._region.project((position if wanted is None else wanted)[None])[0][0]
-        if self._planner.is_clear(position, target):
+        target = self._region.nearest(position if wanted is None else wanted)
+        if self._planner.space.walls.is_clear(eye, target):
             return target - position, True
         if wanted is None:
             target = self._doors[int(self._planner.costs(position, self._doors).argmin())]
@@ -65,9 +82,9 @@ class Ground:
             return np.zeros(2), True
         return path[0] - position, len(path) == 1
 
-    def trespass(self, position: FloatArray) -> FloatArray:
+    def trespass(self, position: FloatArray, eye: FloatArray) -> FloatArray:
         """Return the way out of the margin around obstacles, (2,), in units of the margin and at most as long as it."""
-        way = (self._planner.space.project(position) - position) / self._margin
+        way = (eye - position) / self._margin
         shortened: FloatArray = way / max(1.0, float(np.hypot(way[0], way[1])))
         return shortened
 

@@ -7,15 +7,16 @@ where the boundary center lies outside the shape, so does the point at which its
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
 from swarm_agent.forces.config import LiteralForceConfig
 from swarm_agent.forces.force_law import Offsets, Others
 from swarm_agent.forces.obstacle_integral import ObstacleIntegral
-from swarm_msgs_py.geometry.contour_integrals import ContourIntegrals
+from swarm_msgs_py.geometry.contour_integrals import ContourIntegrals, IntegralsAt
 from swarm_msgs_py.types import FloatArray
 
 
@@ -83,14 +84,30 @@ class LiteralLaw:
         """Return the five forces on each robot; parameters as for `evaluate`."""
         config = self._config
         at = self._contour.at(positions)
-        inner = np.clip(at.signed_distances / config.buffer_m, 0.0, 1.0)[:, None]  # lambda of spec 8.3
+        depths = at.signed_distances[:, None] / config.buffer_m
+        inner = np.minimum(np.maximum(depths, 0.0), 1.0)  # lambda of spec 8.3
         outer = (1.0 - inner) / self._contour.length
         offsets = Offsets(positions, radii, others)
         gaps = np.maximum(offsets.gaps, config.robot_gap_min_m)
         return Forces(
             attractive=config.attractive_gain * outer * at.attraction,
-            transition=config.transition_gain * outer * at.transition,
-            repulsive=config.repulsive_gain * inner * at.repulsion,
+            transition=_blended(config.transition_gain * outer, at, _TRANSITION),
+            repulsive=_blended(config.repulsive_gain * inner, at, _REPULSION),
             intermember=offsets.push(config.intermember_gain / (gaps * gaps)),
             obstacle=config.obstacle_gain * self._obstacles.at(positions, radii),
         )
+
+
+_TRANSITION, _REPULSION = attrgetter("transition"), attrgetter("repulsion")
+
+
+def _blended(weights: FloatArray, at: IntegralsAt, integral: Callable[[IntegralsAt], FloatArray]) -> FloatArray:
+    """Return an integral times its (n, 1) weights, (n, 2), computed only where these are not 0."""
+    count = np.count_nonzero(weights)
+    if count == len(weights):
+        return weights * integral(at)
+    blended = np.zeros((len(weights), 2))
+    if count:
+        rows = weights[:, 0].nonzero()[0]
+        blended[rows] = weights[rows] * integral(at.only(rows))
+    return blended

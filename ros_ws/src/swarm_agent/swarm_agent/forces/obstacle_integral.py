@@ -21,6 +21,7 @@ Where it is clamped, |s| < s0 = sqrt((r + gap_min)^2 - h^2), both parts are elem
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -48,6 +49,7 @@ class ObstacleIntegral:
 
     def __init__(self, obstacles: Sequence[FloatArray], gap_min: float) -> None:
         self._edges = Edges(obstacles)
+        self._spans: FloatArray = np.stack([np.zeros_like(self._edges.lengths), self._edges.lengths])[:, None]
         self._gap_min = gap_min
 
     def at(self, points: FloatArray, radii: FloatArray) -> FloatArray:
@@ -67,60 +69,86 @@ class ObstacleIntegral:
         """
         edges, r = self._edges, radii[:, None]
         first, heights = edges.seen_from(points)
-        along, across = self._integrate(np.stack([first, first + edges.lengths]), _Lines(heights, r), r)
+        along, across = self._integrate(first + self._spans, _Lines(heights, radii), r)
         push: FloatArray = -(along @ edges.tangents) - (across * heights) @ edges.normals
         return push
 
     def _integrate(self, ends: FloatArray, lines: _Lines, r: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the integrals of s / gap^4 and of 1 / gap^4 from s1 to s2, the rows of `ends`; (n, e) each."""
         limit = r + self._gap_min
-        reach = np.sqrt(np.maximum(limit * limit - lines.squares, 0.0))  # s0: the gap is clamped for |s| below it
-        # Ends on one side of the clamped stretch have it in common, and it cancels.
-        is_clamped = bool(((reach > 0.0) & (ends[0] < reach) & (ends[1] > -reach)).any())
-        rho, sizes = np.sqrt(lines.squares + ends * ends), np.abs(ends)
-        if is_clamped:
-            rho, sizes = np.maximum(rho, limit), np.maximum(sizes, reach)
-        inverse = 1.0 / (rho - r)
-        along = inverse * inverse * (r / -3.0 * inverse - 0.5)
-        across = lines.primitive(sizes, rho, inverse)
-        if is_clamped:
-            nearest = np.maximum(lines.h, limit)
-            across -= lines.primitive(reach, nearest, 1.0 / (nearest - r))
-        across *= np.sign(ends)  # the integral from 0 is odd
-        if is_clamped:
-            inner = np.clip(ends, -reach, reach) / self._gap_min**2
-            along += 0.5 * inner * inner
-            across += inner / self._gap_min**2
+        passing = lines.squares < limit * limit
+        if np.count_nonzero(passing):
+            reach = np.sqrt(np.maximum(limit * limit - lines.squares, 0.0))  # s0: the gap is clamped for |s| below it
+            # Ends on one side of the clamped stretch have it in common, and it cancels.
+            if np.count_nonzero(passing & (ends[0] < reach) & (ends[1] > -reach)):
+                return self._integrate_clamped(ends, reach, lines, r)
+        along, across = lines.primitives(ends, np.sqrt(lines.squares + ends * ends))
+        return along[1] - along[0], across[1] - across[0]
+
+    def _integrate_clamped(
+        self, ends: FloatArray, reach: FloatArray, lines: _Lines, r: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return what `_integrate` does, where the gap is clamped for |s| below `reach`, (n, e) [m]."""
+        limit = r + self._gap_min
+        rho = np.maximum(np.sqrt(lines.squares + ends * ends), limit)
+        along, across = lines.primitives(np.copysign(np.maximum(np.abs(ends), reach), ends), rho)
+        _, at_reach = lines.primitives(reach, np.maximum(lines.h, limit))
+        across -= np.where(ends < 0.0, -at_reach, at_reach)
+        inner = np.clip(ends, -reach, reach) / self._gap_min**2
+        along += 0.5 * inner * inner
+        across += inner / self._gap_min**2
         return along[1] - along[0], across[1] - across[0]
 
 
 class _Lines:
-    """What E(s) needs of the lines of all edges, (n, e), for robots of (n, 1) coverage radii r."""
+    """What E(s) needs of the lines of all edges, (n, e), for robots of (n,) coverage radii."""
 
-    def __init__(self, heights: FloatArray, r: FloatArray) -> None:
+    def __init__(self, heights: FloatArray, radii: FloatArray) -> None:
+        r = radii[:, None]
         r2 = r * r
-        tangency = heights * heights - r2
+        self.squares: FloatArray = heights * heights
+        tangency = self.squares - r2
         near = np.abs(tangency) < TANGENCY_MIN
-        if near.any():
-            tangency[near] = np.copysign(TANGENCY_MIN, tangency[near])
-        self.squares = np.maximum(tangency + r2, 0.0)
-        self.h = np.sqrt(self.squares)
+        if np.count_nonzero(near):
+            tangency = np.where(near, np.copysign(TANGENCY_MIN, tangency), tangency)
+            self.squares = np.maximum(tangency + r2, 0.0)
+        self.h: FloatArray = np.sqrt(self.squares)
         self._r = r
         self._cut = tangency < 0.0  # lines that meet the coverage circle
         c = np.sqrt(np.abs(tangency))
-        q = 1.0 / tangency
-        w = r2 * q
-        self._slope = (self.h + r) / c
-        self._constant, self._linear, self._scale = (r * q) * (13.0 + 15.0 * w), 3.0 + 5.0 * w, q / 6.0
-        self._angle = (1.0 + w) * (1.0 + 5.0 * w) * q / c
+        powers = np.empty((len(heights), 3, heights.shape[1]))
+        q = np.divide(1.0, tangency, out=powers[:, 0])
+        np.multiply(q, q, out=powers[:, 1])
+        np.multiply(q, powers[:, 1], out=powers[:, 2])
+        coefficients = _coefficients(np.asarray(radii, dtype=np.float64).tobytes())
+        self._constant, self._linear, self._square, angle = (coefficients @ powers).swapaxes(0, 1)
+        self._slope, self._angle = (self.h + r) / c, angle / c
 
-    def primitive(self, s: FloatArray, rho: FloatArray, v: FloatArray) -> FloatArray:
-        """Return E(s) for s >= 0, its distance rho and its inverse gap v."""
-        rational = s * v * self._scale * (self._constant + v * (self._linear + 2.0 * self._r * v))
+    def primitives(self, s: FloatArray, rho: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the primitives of s / gap^4 and of 1 / gap^4, E(s), at distance rho from the center; E is odd."""
+        v = 1.0 / (rho - self._r)
+        rational = s * v * (self._constant + v * (self._linear + v * self._square))
         g = self._slope * s / (rho + self.h)
         angle = np.arctan(g)
-        if self._cut.any():
-            cut = np.broadcast_to(self._cut, s.shape)
-            angle[cut] = 0.5 * np.log(np.maximum(g[cut] - 1.0, _TINY) / (g[cut] + 1.0))
-        primitive: FloatArray = rational + self._angle * angle
-        return primitive
+        if np.count_nonzero(self._cut):
+            beyond = g[..., self._cut]
+            size = np.abs(beyond)
+            angle[..., self._cut] = np.copysign(0.5 * np.log(np.maximum(size - 1.0, _TINY) / (size + 1.0)), -beyond)
+        return v * v * (self._r / -3.0 * v - 0.5), rational + self._angle * angle
+
+
+@lru_cache(maxsize=64)
+def _coefficients(radii: bytes) -> FloatArray:
+    """Return how E(s) depends on the powers 1, 2 and 3 of q = 1 / T, (n, 4, 3), for robots of n coverage radii.
+
+    The rows: the coefficients of s v, s v^2 and s v^3, and that of c K(s) / 2.
+    """
+    r = np.frombuffer(radii)
+    nothing, one = np.zeros_like(r), np.ones_like(r)
+    rows = (
+        (nothing, 13.0 / 6.0 * r, 2.5 * r**3),
+        (0.5 * one, 5.0 / 6.0 * r**2, nothing),
+        (r / 3.0, nothing, nothing),
+        (one, 6.0 * r**2, 5.0 * r**4),
+    )
+    return np.moveaxis(np.array(rows), 2, 0).copy()

@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 
 from swarm_agent.forces.config import SharingForceConfig
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,21 +75,21 @@ class Shares:
         limit = self._reach * self._reach
         room = self._points - position[:, None]
         room_squares = room[0] * room[0] + room[1] * room[1]
-        near = np.flatnonzero(room_squares < limit)
-        room, room_squares = room[:, near], room_squares[near]
+        near = (room_squares < limit).nonzero()[0]
+        room, room_squares = room.take(near, axis=1), room_squares.take(near)
         away = others - position
         squares = away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1]
-        near = np.flatnonzero(squares < 4.0 * limit)  # those beyond have no part in what is within reach
-        away, squares = away[near], squares[near]
-        # A point q is nearer to another robot at d if q . d > d . d / 2, both seen from this robot.
-        own = np.flatnonzero(~(away @ room > 0.5 * squares[:, None]).any(axis=0))
-        if not len(own):
+        near = (squares < 4.0 * limit).nonzero()[0]  # those beyond have no part in what is within reach
+        away, squares = away.take(near, axis=0), squares.take(near)
+        share = _nearer_than(away, squares, room)
+        count = share.shape[1]
+        if not count:
             return None
-        middle: FloatArray = room[:, own].sum(axis=1) / len(own)
+        middle: FloatArray = share.sum(axis=1) / count
         # Weights fall to zero at the end of the reach, so that nothing jumps when a robot comes into it.
         of_room, of_robots = 1.0 - room_squares / limit, np.maximum(1.0 - squares / limit, 0.0)
         spread = room @ of_room / of_room.sum() - of_robots @ away / (1.0 + of_robots.sum())
-        area = len(own) * self._point_area
+        area = count * self._point_area
         return Claim(middle + self._beyond_slack(spread, area), area)
 
     def _beyond_slack(self, spread: FloatArray, area: float) -> FloatArray:
@@ -100,6 +100,26 @@ class Shares:
 
 
 _TINY = 1e-12  # [m]
+_SCREEN = 6  # nearest robots, which take nearly all of the room: a cell of a regular mesh has six neighbors
+
+
+def _nearer_than(away: FloatArray, squares: FloatArray, room: FloatArray) -> FloatArray:
+    """Return the points that are nearer to a robot than to any other, (2, p), all as the robot sees them.
+
+    Parameters
+    ----------
+    away : (m, 2) array
+        Other robots [m].
+    squares : (m,) array
+        Their squared distances [m^2].
+    room : (2, s) array
+        Points [m].
+    """
+    for these in (squares.argsort()[:_SCREEN], slice(None)):  # few for many points, then all for the few that are left
+        # A point q is nearer to another robot at d if q . d > d . d / 2.
+        taken: BoolArray = np.logical_or.reduce(away[these] @ room > 0.5 * squares[these, None], axis=0)
+        room = room.take((~taken).nonzero()[0], axis=1)
+    return room
 
 
 def _lattice(contour: FloatArray, area: float, count: int) -> FloatArray:

@@ -69,22 +69,27 @@ class SharingLaw:
             ]
         )
         areas = np.array([np.inf if claim is None else claim.area for claim in claims])
-        return pulls + self._push(Offsets(positions, radii, others), areas)
+        return pulls + self._push(positions, radii, others, areas)
 
-    def _push(self, offsets: Offsets, areas: FloatArray) -> FloatArray:
+    def _push(self, positions: FloatArray, radii: FloatArray, others: Others, areas: FloatArray) -> FloatArray:
         """Return the intermember forces, (n, 2).
 
         Parameters
         ----------
-        offsets : Offsets
+        positions, radii, others
+            As for `evaluate`.
         areas : (n,) array
             Of the robots' shares, inf for those without one [m^2]. Where these are small the force is short, so that
             robots in the middle of their shares do not push each other.
         """
         config = self._config.sharing
-        even_gaps = (_SPACING * np.sqrt(areas) - offsets.radii)[:, None] - offsets.others.radii
-        ranges = np.clip(config.personal_share * even_gaps, _RANGE_MIN, config.personal_gap_m)
-        nearness = np.clip(1.0 - offsets.gaps / ranges, 0.0, 1.0)
+        offsets = Offsets(positions, radii, others)
+        if not np.count_nonzero(offsets.gaps < config.personal_gap_m):  # no range is longer
+            return np.zeros_like(positions)
+        even_gaps = (_SPACING * np.sqrt(areas) - radii)[:, None] - others.radii
+        # Not np.clip: on so few numbers its checks cost more than its work.
+        ranges = np.minimum(np.maximum(config.personal_share * even_gaps, _RANGE_MIN), config.personal_gap_m)
+        nearness = np.minimum(np.maximum(1.0 - offsets.gaps / ranges, 0.0), 1.0)
         firm = config.firmness * self._config.f_sat
         push = offsets.push(firm * nearness * nearness)
         # However many push: an obstacle must be able to push back.
@@ -98,11 +103,14 @@ class SharingLaw:
         margin that paths keep, where only other robots can have pushed it.
         """
         config, ground = self._config, self._ground(radius)
-        way, is_last = ground.way(position, None if claim is None else position + claim.way)
+        eye = ground.eye(position)
+        way, is_last = ground.way(position, eye, None if claim is None else position + claim.way)
         distance = float(np.hypot(way[0], way[1]))
         speed = config.sharing.gain_1_s * distance if is_last else config.speed_max_m_s
         pull = way * (config.f_sat * min(speed / config.speed_max_m_s, 1.0) / max(distance, _TINY))
-        return pull + 2.0 * config.sharing.firmness * config.f_sat * ground.trespass(position)
+        if eye is position:  # free, as nearly always
+            return pull
+        return pull + 2.0 * config.sharing.firmness * config.f_sat * ground.trespass(position, eye)
 
     def _ground(self, radius: float) -> Ground:
         ground = self._grounds.get(radius)

@@ -17,6 +17,8 @@ from swarm_msgs_py.types import FloatArray, NodeId
 
 _UNKNOWN = 0.99 * SIGMA_UNKNOWN  # [m]; who is less sure than this does not know where it is
 _TICKS = 0xFFFF  # ticks are told modulo 2^16
+_BELIEF = 8  # numbers in the belief of a presence, of which the first four are position and velocity
+_NOTHING: FloatArray = np.empty(0)
 
 
 class ForceStrategy:
@@ -56,6 +58,8 @@ class ForceStrategy:
         self._contour: FloatArray | None = None
         self._obstacles: tuple[FloatArray, ...] = ()
         self._law: ForceLaw | None = None
+        self._types: list[int] = []  # of the neighbors, in the order of their ids
+        self._neighbor_radii: FloatArray = np.empty(0)  # of these types
 
     @property
     def is_at_rest(self) -> bool:
@@ -108,10 +112,18 @@ class ForceStrategy:
 
     def _others(self, tick: int, neighbors: Mapping[NodeId, Presence]) -> tuple[Others, FloatArray]:
         """Return where the neighbors are by now, and their velocities, (m, 2) [m/s]."""
-        heard = [neighbors[node] for node in sorted(neighbors)]
-        robots = [presence for presence in heard if presence.robot_type and presence.sigma < _UNKNOWN]
-        told = np.array([presence.belief[:4] for presence in robots]).reshape(-1, 4)
-        ages = np.array([(tick - presence.tick) & _TICKS for presence in robots]) * self._period
-        places, drifts = told[:, :2] + ages[:, None] * told[:, 2:], told[:, 2:]
-        radii = np.array([self._radii.get(presence.robot_type, self._radius) for presence in robots])
+        heard = sorted(neighbors.items())
+        robots = [presence for _, presence in heard if presence.robot_type and presence.sigma < _UNKNOWN]
+        told = np.concatenate([_NOTHING, *[presence.belief for presence in robots]]).reshape(-1, _BELIEF)
+        ages = (tick - np.array([presence.tick for presence in robots], dtype=np.int64)) & _TICKS
+        drifts = told[:, 2:4]
+        places = told[:, :2] + (ages * self._period)[:, None] * drifts
+        radii = self._radii_of([presence.robot_type for presence in robots])
         return Others(places, radii, np.ones((1, len(robots)), dtype=np.bool_)), drifts
+
+    def _radii_of(self, types: list[int]) -> FloatArray:
+        """Return the coverage radii of robots of some types, (m,) [m]; the same neighbors are asked for every tick."""
+        if types != self._types:
+            self._types = types
+            self._neighbor_radii = np.array([self._radii.get(robot_type, self._radius) for robot_type in types])
+        return self._neighbor_radii

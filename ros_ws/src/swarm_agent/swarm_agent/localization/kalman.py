@@ -1,4 +1,7 @@
-"""The two steps of a linear Kalman filter, as pure functions on a frozen state of any dimension."""
+"""The two steps of a linear Kalman filter, as pure functions on a frozen state of any dimension.
+
+Products are spelled ``a.dot(b)``: of matrices this small, ``a @ b`` takes twice as long for the same bytes.
+"""
 
 from __future__ import annotations
 
@@ -60,8 +63,8 @@ def predict(belief: Gaussian, transition: FloatArray, drive: FloatArray, noise: 
     noise : (n, n) array
         Q.
     """
-    mean = transition @ belief.mean + drive
-    return Gaussian(mean, transition @ belief.covariance @ transition.T + noise)
+    mean = transition.dot(belief.mean) + drive
+    return Gaussian(mean, transition.dot(belief.covariance).dot(transition.T) + noise)
 
 
 def innovation(belief: Gaussian, residual: FloatArray, observation: FloatArray, noise: FloatArray) -> Innovation:
@@ -78,9 +81,9 @@ def innovation(belief: Gaussian, residual: FloatArray, observation: FloatArray, 
     noise : (m, m) array
         R.
     """
-    cross = belief.covariance @ observation.T
-    information = _inverse(observation @ cross + noise)
-    return Innovation(residual, cross, information, float(residual @ information @ residual))
+    cross = belief.covariance.dot(observation.T)
+    information = _inverse(observation.dot(cross) + noise)
+    return Innovation(residual, cross, information, float(residual.dot(information).dot(residual)))
 
 
 def correct(belief: Gaussian, surprise: Innovation, observation: FloatArray, noise: FloatArray) -> Gaussian:
@@ -104,12 +107,12 @@ def correct(belief: Gaussian, surprise: Innovation, observation: FloatArray, noi
     ----------
     .. [1] R. S. Bucy and P. D. Joseph, "Filtering for stochastic processes with applications to guidance", 1968.
     """
-    gain = surprise.cross @ surprise.information
-    keep = _identity(len(gain)) - gain @ observation
-    covariance = keep @ belief.covariance @ keep.T + gain @ noise @ gain.T
+    gain = surprise.cross.dot(surprise.information)
+    keep = _identity(len(gain)) - gain.dot(observation)
+    covariance = keep.dot(belief.covariance).dot(keep.T) + gain.dot(noise).dot(gain.T)
     # Products of three matrices are symmetric only up to rounding; without this the difference grows over hours.
     covariance = 0.5 * (covariance + covariance.T)
-    return Gaussian(belief.mean + gain @ surprise.residual, covariance)
+    return Gaussian(belief.mean + gain.dot(surprise.residual), covariance)
 
 
 def _inverse(matrix: FloatArray) -> FloatArray:

@@ -35,6 +35,7 @@ from swarm_agent.localization.range_fusion import (
 )
 from swarm_agent.localization.surroundings import Surroundings
 from swarm_agent.localization.trilateration import MIN_BEACONS, Trilateration, dilution, trilaterate
+from swarm_agent.planar import length_of
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -259,7 +260,7 @@ class Localizer:
         if told is None or self._told_before is None or self._command_sigma is None:
             return None
         # What the servo has not yet made up of the last change decays with its own time constant.
-        behind = self._lag * float(np.hypot(*(told - self._told_before)))
+        behind = self._lag * length_of(told - self._told_before)
         return (self._command_sigma + behind) ** 2 * _UNIT_NOISE
 
     def _take_ranges(self, beacons: RangeObservations, others: RangeObservations) -> bool:

@@ -22,9 +22,9 @@ STATES = 6
 POSITION = slice(0, 4, 2)
 VELOCITY = slice(1, 4, 2)
 BIAS = slice(4, 6)
-OBSERVE_POSITION: FloatArray = np.eye(STATES)[POSITION]
+OBSERVE_POSITION: FloatArray = np.eye(STATES)[POSITION].copy()
 """H of a position fix, (2, 6)."""
-OBSERVE_VELOCITY: FloatArray = np.eye(STATES)[VELOCITY]
+OBSERVE_VELOCITY: FloatArray = np.eye(STATES)[VELOCITY].copy()
 """H of a robot that knows its velocity, because it knows what it told its servo, (2, 6)."""
 
 
@@ -74,10 +74,11 @@ class MotionModel:
         coast = np.eye(STATES)
         coast[0, 1] = coast[2, 3] = period
         self._coast = coast
-        # What a body acceleration adds to the state, for the cosine and the sine of the yaw: B R(yaw).
-        self._cosine, self._sine = np.zeros((STATES, 2)), np.zeros((STATES, 2))
-        self._cosine[0:2, 0] = self._cosine[2:4, 1] = self._sine[2:4, 0] = axis
-        self._sine[0:2, 1] = -axis
+        # What a body acceleration adds to the state, B R(yaw), is linear in the cosine and the sine of the yaw.
+        turns = np.zeros((STATES, 2, 2))
+        turns[0:2, 0, 0] = turns[2:4, 1, 0] = turns[2:4, 0, 1] = axis
+        turns[0:2, 1, 1] = -axis
+        self._turns = turns.reshape(-1, 2)
         # B B^T. The noise of one mean acceleration moves position and velocity together; the diagonal Q of thesis
         # eq. (3.43) denies that, and its units do not fit (erratum E10).
         self._unit_noise = np.zeros((STATES, STATES))
@@ -93,16 +94,16 @@ class MotionModel:
         yaw : float
             Heading that belongs to the body frame of the measurement [rad].
         """
-        push = math.cos(yaw) * self._cosine + math.sin(yaw) * self._sine
+        push = self._turns.dot((math.cos(yaw), math.sin(yaw))).reshape(STATES, 2)
         transition = self._coast.copy()
-        transition[:, BIAS] -= push
+        np.subtract(self._coast[:, BIAS], push, out=transition[:, BIAS])
         forward, left = acceleration_body.tolist()
         # A wrong heading turns the acceleration sideways by |a| times the error; counted on both axes, to be safe.
         square = forward * forward + left * left
         noise = (self._variance + self._yaw_variance * square) * self._unit_noise
         noise[0, 0] += self._timing_variance * square
         noise[2, 2] += self._timing_variance * square
-        return Step(transition, push @ acceleration_body, noise)
+        return Step(transition, push.dot(acceleration_body), noise)
 
     def gap(self, periods: int, speed_sigma: float) -> Step:
         """Return the step over periods of which nothing is known.

@@ -6,17 +6,13 @@ right at any distance from the contour and costs a hundredth.
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TypeVar
-
 import numpy as np
 
 from swarm_msgs_py.geometry.contour import boundary_center
 from swarm_msgs_py.geometry.edges import Edges
-from swarm_msgs_py.types import BoolArray, FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
 
 HEIGHT_MIN = 1e-3  # [m]; the repulsion grows like 2/h toward an edge and must stay finite on it
-Corners = TypeVar("Corners", FloatArray, BoolArray)
 _TINY = 1e-300  # [m]; a point on an edge has distances to its ends that add up to its length
 
 
@@ -44,6 +40,7 @@ class ContourIntegrals:
         self.turns: FloatArray = np.roll(self.edges.tangents, 1, axis=0) - self.edges.tangents
         following = np.roll(contour, -1, axis=0)
         self.tail_heights: FloatArray = contour[(following != contour).any(axis=1), 1]
+        self.heads: IntArray = np.roll(np.arange(len(self.tail_heights)), -1)  # the edge that begins where one ends
 
     def at(self, points: FloatArray) -> IntegralsAt:
         """Return the integrals at (n, 2) points [m]; each is computed when it is asked for."""
@@ -77,71 +74,59 @@ class IntegralsAt:
         self._contour = contour
         self._points = points
         self._first, self._heights = contour.edges.seen_from(points)
+        self._last: FloatArray = self._first + contour.edges.lengths
+        self._squares: FloatArray = self._heights * self._heights  # of the distance to the line of each edge
 
-    @cached_property
+    def only(self, rows: IntArray) -> IntegralsAt:
+        """Return the integrals at some of the points, given by their rows."""
+        return IntegralsAt(self._contour, self._points[rows])
+
+    @property
     def attraction(self) -> FloatArray:
         """Length of the contour times the way to its boundary center, (n, 2) [m^2]."""
         pull: FloatArray = self._contour.length * (self._contour.center - self._points)
         return pull
 
-    @cached_property
+    @property
     def repulsion(self) -> FloatArray:
         """Push away from the contour, inside inward and outside outward, (n, 2) [1/m]; 2/h near a straight edge."""
-        nearness = 1.0 / np.maximum(self._distances, HEIGHT_MIN)
+        nearness = 1.0 / np.maximum(self._distances(), HEIGHT_MIN)
         heights = self._heights
         near = np.abs(heights) < HEIGHT_MIN
-        if near.any():
+        if np.count_nonzero(near):
             heights = np.where(near, np.copysign(HEIGHT_MIN, heights), heights)
-        across = (self._first * nearness - self._last * _next_corner(nearness)) / heights
+        across = (self._first * nearness - self._last * nearness.take(self._contour.heads, axis=1)) / heights
         push: FloatArray = across @ self._contour.edges.normals + nearness @ self._contour.turns
         return push
 
-    @cached_property
+    @property
     def transition(self) -> FloatArray:
         """Pull toward the contour by its length as seen from the point, (n, 2) [m]."""
-        both = self._distances + _next_corner(self._distances)
-        lengths = self._contour.edges.lengths
+        distances, lengths = self._distances(), self._contour.edges.lengths
+        both = distances + distances.take(self._contour.heads, axis=1)
         across = self._heights * np.log((both + lengths) / np.maximum(both - lengths, _TINY))
-        pull: FloatArray = across @ self._contour.edges.normals + self._distances @ self._contour.turns
+        pull: FloatArray = across @ self._contour.edges.normals + distances @ self._contour.turns
         return pull
 
-    @cached_property
+    @property
     def inside(self) -> BoolArray:
         """Whether each point is inside, by the crossings of a ray along +x, (n,); on the contour either way."""
         above = self._contour.tail_heights > self._points[:, 1:]
-        ends_above = _next_corner(above)
+        ends_above = above.take(self._contour.heads, axis=1)
         # A climbing edge is met by the ray of a point on its left, which sees its line at a negative height.
         met = (above != ends_above) & ((self._heights < 0.0) == ends_above)
         inside: BoolArray = np.logical_xor.reduce(met, axis=1)
         return inside
 
-    @cached_property
+    @property
     def signed_distances(self) -> FloatArray:
         """Distance to the contour, positive inside, (n,) [m]."""
-        beyond = np.maximum(np.maximum(self._first, -self._last), 0.0)  # past the end of the edge, along it
-        squares = self._squares + beyond * beyond
-        distances = np.sqrt(squares.min(axis=1))
+        feet = np.minimum(np.maximum(self._first, 0.0), self._last)  # nearest points of the edges, along them
+        distances = np.sqrt(np.minimum.reduce(self._squares + feet * feet, axis=1))
         signed: FloatArray = np.where(self.inside, distances, -distances)
         return signed
 
-    @cached_property
-    def _last(self) -> FloatArray:
-        last: FloatArray = self._first + self._contour.edges.lengths
-        return last
-
-    @cached_property
     def _distances(self) -> FloatArray:
-        """Distance to the tail of each edge, (n, k) [m]."""
+        """Return the distance to the tail of each edge, (n, k) [m]."""
         distances: FloatArray = np.sqrt(self._squares + self._first * self._first)
         return distances
-
-    @cached_property
-    def _squares(self) -> FloatArray:
-        """Squared distance to the line of each edge, (n, k) [m^2]."""
-        squares: FloatArray = self._heights * self._heights
-        return squares
-
-
-def _next_corner(corners: Corners) -> Corners:
-    """Return the columns moved on by one corner: what is known of the tails becomes known of the heads."""
-    return np.concatenate([corners[:, 1:], corners[:, :1]], axis=1)

@@ -33,8 +33,10 @@ class Edges:
         self.lengths: FloatArray = lengths[proper]
         self.tangents: FloatArray = (heads - tails)[proper] / self.lengths[:, None]
         self.normals: FloatArray = np.column_stack([-self.tangents[:, 1], self.tangents[:, 0]])
-        self._along = (tails[proper] * self.tangents).sum(axis=1)
-        self._across = (tails[proper] * self.normals).sum(axis=1)
+        # Both axes of all edges in one matrix: one product serves a point, and small products cost by their number.
+        self._axes: FloatArray = np.concatenate([self.tangents, self.normals]).T.copy()
+        tails = tails[proper]
+        self._tails: FloatArray = np.concatenate([(tails * axes).sum(axis=1) for axes in (self.tangents, self.normals)])
 
     def seen_from(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return where each edge lies, seen from each point.
@@ -51,4 +53,6 @@ class Edges:
         heights : (n, e) array
             Coordinate of its line along the normal [m].
         """
-        return self._along - points @ self.tangents.T, self._across - points @ self.normals.T
+        seen = self._tails - points @ self._axes
+        count = len(self.lengths)
+        return seen[:, :count], seen[:, count:]

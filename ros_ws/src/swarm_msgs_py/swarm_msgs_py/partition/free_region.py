@@ -34,6 +34,10 @@ class FreeRegion:
         self.ends: FloatArray = np.concatenate([ring[1:] for ring in rings]) if rings else np.empty((0, 2))
         self._edges = self.ends - self.starts
         self._squares = np.einsum("md,md->m", self._edges, self._edges)
+        self._low, self._high = self.starts[:, 1].copy(), self.ends[:, 1].copy()
+        # Horizontal edges never straddle a ray along +x, so what is divided by for them does not count.
+        rise = np.where(self._high == self._low, 1.0, self._high - self._low)
+        self._west, self._slopes = self.starts[:, 0].copy(), self._edges[:, 0] / rise
 
     @property
     def is_empty(self) -> bool:
@@ -46,14 +50,9 @@ class FreeRegion:
         Points on the boundary may fall either way.
         """
         x, y = points[:, :1], points[:, 1:]
-        low, high = self.starts[:, 1], self.ends[:, 1]
-        straddles = (low > y) != (high > y)
-        # Horizontal edges never straddle, so what is divided by here does not count.
-        rise = np.where(high == low, 1.0, high - low)
-        crossing = self.starts[:, 0] + (y - low) * (self._edges[:, 0] / rise)
-        inside: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
-            np.count_nonzero(straddles & (x < crossing), axis=1) % 2 == 1
-        )
+        straddles = (self._low > y) != (self._high > y)
+        crossing = self._west + (y - self._low) * self._slopes
+        inside: np.ndarray[tuple[int], np.dtype[np.bool_]] = np.logical_xor.reduce(straddles & (x < crossing), axis=1)
         return inside
 
     def feet(self, point: FloatArray) -> FloatArray:
@@ -61,6 +60,14 @@ class FreeRegion:
         along = np.clip(((point - self.starts) * self._edges).sum(axis=1) / self._squares, 0.0, 1.0)
         feet: FloatArray = self.starts + along[:, None] * self._edges
         return feet
+
+    def nearest(self, point: FloatArray) -> FloatArray:
+        """Return the point of a region that is not empty that is nearest to `point`, (2,): `project` for one point."""
+        if self.contains(point[None])[0]:
+            return point
+        gaps = point - self.feet(point)
+        nearest: FloatArray = point - gaps[(gaps[:, 0] * gaps[:, 0] + gaps[:, 1] * gaps[:, 1]).argmin()]
+        return nearest
 
     def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return points of the region, and how far each is from the boundary.

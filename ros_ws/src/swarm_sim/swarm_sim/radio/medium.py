@@ -230,14 +230,13 @@ class Medium:
         flights = self._flights.pop(tick, [])
         if not flights:
             return [()] * len(self._radios)
-        frames = [frame for flight in flights for frame in flight.frames]
+        frames = np.array([frame for flight in flights for frame in flight.frames], dtype=np.object_)
         # Older flights stand first and the sort is stable, so each sender's frames stay in order of transmission.
         order = np.argsort(np.concatenate([flight.senders for flight in flights]), kind="stable")
         heard = np.concatenate([flight.heard for flight in flights])[order] & alive
-        frames = [frames[index] for index in order.tolist()]
         receivers, arrived = np.nonzero(heard.T)
         cuts = np.searchsorted(receivers, np.arange(len(self._radios) + 1)).tolist()
-        arrived_frames = [frames[index] for index in arrived.tolist()]
+        arrived_frames = frames[order[arrived]].tolist()
         return [tuple(arrived_frames[a:b]) for a, b in pairwise(cuts)]
 
     @property

@@ -29,11 +29,11 @@ class PositionSensor:
 
     def measure(self, tick: int, positions: FloatArray) -> list[PositionFix | None]:
         """Return one fix per robot at `positions` (n, 2) [m], None for those without a sensor."""
-        # Drawn for all robots, so that giving one a sensor changes nothing for the others.
-        noise = rng_for(self._seed, "fix", tick).normal(size=positions.shape)
-        measured = positions + self._config.sigma_m * noise
+        sigma, measured = self._config.sigma_m, positions.copy()
+        if sigma > 0.0:
+            # Drawn for all robots, so that giving one a sensor changes nothing for the others.
+            measured += sigma * rng_for(self._seed, "fix", tick).normal(size=positions.shape)
         measured.flags.writeable = False
-        sigma = self._config.sigma_m
         return [
             PositionFix(point, sigma) if has_sensor else None
             for point, has_sensor in zip(measured, self._carried, strict=True)

@@ -52,7 +52,8 @@ class Proximity:
         observers, sight = observers[~is_hidden], sight[~is_hidden]
 
         # Nearest first; ties by content, so that the order does not depend on how the points were found.
-        order = np.lexsort((sight[:, 1], sight[:, 0], (sight**2).sum(axis=1), observers))
+        east, north = sight.T
+        order = np.lexsort((north, east, east * east + north * north, observers))
         observers, sight = observers[order], sight[order]
         cuts = np.searchsorted(observers, np.arange(n + 1))
         rank = np.arange(len(observers)) - cuts[observers]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import FloatArray, IntArray
 from swarm_sim.world.obstacles import ObstacleField
 
 
@@ -45,21 +46,35 @@ def clearance(start: FloatArray, samples: FloatArray, radii: FloatArray, obstacl
         Coverage radii [m].
     obstacles : ObstacleField
     """
-    moved = np.sqrt(((samples - start) ** 2).sum(axis=2).max(axis=0))
+    moved = np.sqrt(_squares(samples - start).max(axis=0))
     instants = np.concatenate([start[None], samples])
-    first, second = np.triu_indices(len(radii), k=1)
-    offsets = start[first] - start[second]
-    gaps = np.sqrt((offsets**2).sum(axis=1)) - radii[first] - radii[second]
+    first, second = _pairs(len(radii))
+    gaps = np.sqrt(_squares(start[first] - start[second])) - radii[first] - radii[second]
     best = float(gaps.min()) if gaps.size else np.inf
 
     close = np.flatnonzero(gaps - moved[first] - moved[second] <= max(best, 0.0))
     i, j = first[close], second[close]
-    apart = np.sqrt(((instants[:, i] - instants[:, j]) ** 2).sum(axis=2)) - radii[i] - radii[j]
+    apart = np.sqrt(_squares(instants[:, i] - instants[:, j])) - radii[i] - radii[j]
     worst = apart.min(axis=0)
     best = min(best, float(worst.min())) if worst.size else best
     touching = tuple((int(a), int(b)) for a, b in zip(i[worst < 0.0], j[worst < 0.0], strict=True))
     best, entered = _obstacle_clearance(instants, radii + moved, radii, obstacles, best)
     return Clearance(best, touching, entered)
+
+
+@lru_cache(maxsize=1)
+def _pairs(count: int) -> tuple[IntArray, IntArray]:
+    """Return the rows of all pairs of robots; their number does not change in a run."""
+    first, second = np.triu_indices(count, k=1)
+    first.flags.writeable = second.flags.writeable = False
+    return first, second
+
+
+def _squares(vectors: FloatArray) -> FloatArray:
+    """Return the squared lengths of vectors (..., 2)."""
+    x, y = vectors[..., 0], vectors[..., 1]
+    squares: FloatArray = x * x + y * y
+    return squares
 
 
 def _obstacle_clearance(

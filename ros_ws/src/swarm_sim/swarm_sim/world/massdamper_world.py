@@ -14,10 +14,10 @@ import numpy as np
 
 from swarm_msgs_py.errors import PhysicsError
 from swarm_msgs_py.robots import RobotType
-from swarm_msgs_py.types import FloatArray, IntArray
+from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
 from swarm_sim.config import SimConfig
 from swarm_sim.firmware.servo_gains import servo_gains
-from swarm_sim.firmware.velocity_servo import HeadingServo, VelocityServo, held_force_response, wrap_angle
+from swarm_sim.firmware.velocity_servo import HeadingServo, VelocityServo, held_force_response, per_axis, wrap_angle
 from swarm_sim.scene import Scene
 from swarm_sim.world.world import BodyState, Motion, TickGrid, frozen, motion_between
 
@@ -43,7 +43,8 @@ class MassDamperWorld:
         self._servo = VelocityServo(servo_gains(types, config.servo.gains), types, self._grid.step_s)
         yaws = wrap_angle(np.array([robot.yaw for robot in scene.robots]))
         self._heading = HeadingServo(yaws, self._grid.step_s)
-        self._vehicle = np.array([held_force_response(kind, self._grid.step_s) for kind in types]).T[:, :, None]
+        responses = np.array([held_force_response(kind, self._grid.step_s) for kind in types])
+        self._vehicle = np.stack([per_axis(column) for column in responses.T])  # (4, n, 2)
         self._response = _TickResponse(types, self._servo, self._grid)
         still = np.zeros(len(types))
         positions = np.array([robot.position for robot in scene.robots], dtype=np.float64)
@@ -60,14 +61,13 @@ class MassDamperWorld:
         if not self._is_open:
             raise PhysicsError("the world is closed")
         start = self._state
-        yaw_path, rate_path = self._turn(setpoints[:, 2])
+        yaw_path, rate_path = self._turn(setpoints[:, 2].copy())
         cos, sin = np.cos(yaw_path), np.sin(yaw_path)
         forward, left = setpoints[:, 0], setpoints[:, 1]
         wanted = np.stack([cos * forward - sin * left, sin * forward + cos * left], axis=-1)  # (steps or 1, n, 2)
 
-        samples, speeds, errors, is_linear = self._response.run(start, self._servo.error, wanted[0])
-        if len(wanted) > 1:
-            is_linear &= np.ptp(yaw_path, axis=0) < AT_REST
+        is_straight = np.ptp(yaw_path, axis=0) < AT_REST
+        samples, speeds, errors, is_linear = self._response.run(start, self._servo.error, wanted[0], is_straight)
         rest = np.flatnonzero(~is_linear)
         if rest.size:
             self._step_through(rest, wanted, samples, speeds, errors)
@@ -104,17 +104,17 @@ class MassDamperWorld:
     ) -> None:
         """Step the robots `rows` through the tick and write their rows of the results, in place."""
         servo = self._servo.subset(rows)
-        decay, gain, glide, shift = self._vehicle[:, rows]
+        decay, gain, glide, shift = self._vehicle.take(rows, axis=1)
         position, velocity = self._state.positions[rows], self._state.velocities[rows]
-        sample = 0
-        for k in range(self._grid.steps):
-            setpoint = wanted[min(k, len(wanted) - 1)][rows]
+        setpoints = np.broadcast_to(wanted.take(rows, axis=1), (self._grid.steps, rows.size, 2))
+        path = []
+        for setpoint in setpoints:
             force = servo.force(setpoint, velocity)
             position = position + glide * velocity + shift * force
             velocity = decay * velocity + gain * force
-            if k + 1 == self._grid.sampled[sample]:
-                samples[sample, rows], speeds[sample, rows] = position, velocity
-                sample += 1
+            path.append((position, velocity))
+        sampled = [path[step - 1] for step in self._grid.sampled.tolist()]
+        samples[:, rows], speeds[:, rows] = np.stack(sampled, axis=1)
         errors[rows] = servo.error
 
 
@@ -134,12 +134,18 @@ class _TickResponse:
             per_type.append(_response_rows(kind, gains, grid))
         self._rows = np.stack(per_type)[[index[kind] for kind in types]]  # (n, rows, 3)
         self._samples = len(grid.sampled)
-        self._limit = servo.force_max[:, 0] ** 2
+        self._limit = servo.force_max**2
 
     def run(
-        self, start: BodyState, errors: FloatArray, wanted: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
-        """Return samples (m, n, 2), velocities (m, n, 2), error integrals (n, 2), and where they hold (n,)."""
+        self, start: BodyState, errors: FloatArray, wanted: FloatArray, is_straight: BoolArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+        """Return samples (m, n, 2), velocities (m, n, 2), error integrals (n, 2), and where they hold (n,).
+
+        They hold only for robots that keep their heading, `is_straight` (n,).
+        """
+        if not is_straight.any():
+            samples, speeds = np.empty((2, self._samples, *wanted.shape))
+            return samples, speeds, np.empty_like(errors), is_straight
         initial = np.stack([start.velocities, errors, wanted], axis=1)  # (n, 3, 2)
         answer = self._rows @ initial  # (n, rows, 2)
         m = self._samples
@@ -147,7 +153,7 @@ class _TickResponse:
         speeds = answer[:, m : 2 * m].transpose(1, 0, 2).copy()
         forces = answer[:, 2 * m + 1 :]
         is_linear = (forces**2).sum(axis=2).max(axis=1) <= self._limit
-        return samples, speeds, answer[:, 2 * m].copy(), is_linear
+        return samples, speeds, answer[:, 2 * m].copy(), is_linear & is_straight
 
 
 def _response_rows(kind: RobotType, gains: tuple[float, float], grid: TickGrid) -> FloatArray:

@@ -31,28 +31,33 @@ class ObstacleField:
         rings = [np.array(orient(Polygon(corners)).exterior.coords)[:-1] for corners in polygons]
         self.count = len(rings)
         self.corners: tuple[FloatArray, ...] = tuple(rings)
-        self._first = np.cumsum([0, *map(len, rings)])[:-1].astype(np.int64)
-        self._owner = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
+        sizes = np.array([len(ring) for ring in rings], dtype=np.int64)
+        self._first = np.cumsum(sizes) - sizes
         self.starts: FloatArray = np.concatenate([np.empty((0, 2)), *rings])
         ends = np.concatenate([np.empty((0, 2)), *(np.roll(ring, -1, axis=0) for ring in rings)])
         self._along = ends - self.starts
         self._length2 = (self._along**2).sum(axis=1)
+        self._before = np.arange(len(self.starts)) - 1  # each edge's predecessor around its obstacle
+        self._before[self._first] += sizes
         self._low = np.array([ring.min(axis=0) for ring in rings]).reshape(-1, 2)
         self._high = np.array([ring.max(axis=0) for ring in rings]).reshape(-1, 2)
 
     def box_distances(self, points: FloatArray) -> FloatArray:
         """Return the distance (n, obstacles) from points (n, 2) to the obstacles' bounding boxes [m]."""
-        outside = np.maximum(self._low - points[:, None], points[:, None] - self._high)
-        gap: FloatArray = np.hypot(*np.moveaxis(np.maximum(outside, 0.0), -1, 0))
+        outside = (
+            np.maximum(np.maximum(low - place[:, None], place[:, None] - high), 0.0)
+            for low, place, high in zip(self._low.T, points.T, self._high.T, strict=True)
+        )
+        gap: FloatArray = np.hypot(*outside)
         return gap
 
     def signed_distances(self, points: FloatArray, obstacle: int) -> FloatArray:
         """Return the distance (n,) from points (n, 2) to one obstacle, negative inside [m]."""
         starts, along, length2 = self._edges_of(obstacle)
         offset = points[:, None] - starts
-        share = np.clip((offset * along).sum(axis=-1) / length2, 0.0, 1.0)
+        share = np.minimum(np.maximum(_dot(offset, along) / length2, 0.0), 1.0)
         away = offset - share[..., None] * along
-        distance = np.sqrt((away**2).sum(axis=-1).min(axis=1))
+        distance = np.sqrt(_dot(away, away).min(axis=1))
         # Crossing number of the ray towards +x.
         below = offset[..., 1] >= 0.0
         crosses = below != (offset[..., 1] >= along[:, 1])
@@ -81,29 +86,20 @@ class ObstacleField:
         surface : (k, 2) array
             Nearest point of the face, world frame [m].
         """
-        near_observer, near_obstacle = np.nonzero(self.box_distances(points) <= reach)
-        rows, spots = [], []
-        for obstacle in np.unique(near_obstacle):
-            observers = near_observer[near_obstacle == obstacle]
-            starts, along, length2 = self._edges_of(int(obstacle))
-            offset = points[observers][:, None] - starts
-            raw = (offset * along).sum(axis=-1) / length2
-            share = np.clip(raw, 0.0, 1.0)
-            away = offset - share[..., None] * along
-            # Counter-clockwise corners: the outside is to the right of an edge.
-            is_facing = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0] < 0.0
-            on_face = (raw >= 0.0) & (raw < 1.0) & is_facing
-            # A corner is nearest where the edge before it ends short of the foot and the next begins beyond it.
-            on_corner = (raw < 0.0) & (np.roll(raw, 1, axis=1) >= 1.0) & (is_facing | np.roll(is_facing, 1, axis=1))
-            seen = (on_face | on_corner) & ((away**2).sum(axis=-1) <= reach**2)
-            row, edge = np.nonzero(seen)
-            rows.append(observers[row])
-            spots.append(starts[edge] + share[row, edge, None] * along[edge])
-        if not rows:
-            return np.empty(0, dtype=np.int64), np.empty((0, 2))
-        observers, surface = np.concatenate(rows), np.concatenate(spots)
-        order = np.argsort(observers, kind="stable")
-        return observers[order], surface[order]
+        offset = points[:, None] - self.starts
+        along, away = self._along, np.empty_like(offset)
+        raw = _dot(offset, along) / self._length2
+        share = np.minimum(np.maximum(raw, 0.0), 1.0)
+        for axis in range(2):
+            away[..., axis] = offset[..., axis] - share * along[:, axis]
+        # Counter-clockwise corners: the outside is to the right of an edge.
+        is_facing = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0] < 0.0
+        is_before, before = raw < 0.0, self._before
+        on_face = ~is_before & (raw < 1.0) & is_facing
+        # A corner is nearest where the edge before it ends short of the foot and the next begins beyond it.
+        on_corner = is_before & (raw >= 1.0)[:, before] & (is_facing | is_facing[:, before])
+        observers, edges = np.nonzero((on_face | on_corner) & (_dot(away, away) <= reach**2))
+        return observers, self.starts[edges] + share[observers, edges, None] * along[edges]
 
     def is_blocked(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
         """Return whether each segment (n, 2) to (n, 2) touches an obstacle's boundary.
@@ -117,16 +113,23 @@ class ObstacleField:
         (west, south), (east, north) = low.T.copy(), high.T.copy()
         is_near = ((self._low <= high.max(axis=0)) & (self._high >= low.min(axis=0))).all(axis=1)
         for obstacle in np.flatnonzero(is_near).tolist():
-            (x_min, y_min), (x_max, y_max) = self._low[obstacle], self._high[obstacle]
+            (x_min, y_min), (x_max, y_max) = self._low[obstacle].tolist(), self._high[obstacle].tolist()
             rows = np.flatnonzero((west <= x_max) & (east >= x_min) & (south <= y_max) & (north >= y_min))
-            edges, along, _ = self._edges_of(obstacle)
-            blocked[rows] |= _any_crossing(starts[rows], ends[rows], edges, along)
+            if rows.size:
+                edges, along, _ = self._edges_of(obstacle)
+                blocked[rows] |= _any_crossing(starts[rows], ends[rows], edges, along)
         return blocked
 
     def _edges_of(self, obstacle: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         first = self._first[obstacle]
         part = slice(first, first + len(self.corners[obstacle]))
         return self.starts[part], self._along[part], self._length2[part]
+
+
+def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the inner products of vectors (..., 2); a sum over an axis of two takes several times as long."""
+    product: FloatArray = first[..., 0] * second[..., 0] + first[..., 1] * second[..., 1]
+    return product
 
 
 def _any_crossing(starts: FloatArray, ends: FloatArray, edges: FloatArray, along: FloatArray) -> BoolArray:
@@ -138,6 +141,8 @@ def _any_crossing(starts: FloatArray, ends: FloatArray, edges: FloatArray, along
     turn = ray[..., 0] * along[:, 1] - ray[..., 1] * along[:, 0]
     place = along[:, 0] * offset[..., 1] - along[:, 1] * offset[..., 0]
     meets: BoolArray = (side * (side + turn) <= 0.0) & (place * (place + turn) <= 0.0)
+    if not meets.any():
+        return np.zeros(len(starts), dtype=np.bool_)
     # On one line all four sides are zero; then only overlapping boxes make a contact.
     low, high = np.minimum(edges, edges + along), np.maximum(edges, edges + along)
     meets &= (np.minimum(starts, ends)[:, None] <= high).all(axis=-1)
