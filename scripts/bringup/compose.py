@@ -65,8 +65,11 @@ class ScenarioActors:
 
     @property
     def mission_config(self) -> MissionConfig:
-        """Settings of the mission computer."""
-        return self.scenario.mission
+        """Settings of the mission computer; it knows how fast robots drive unless the scenario says otherwise."""
+        mission = self.scenario.mission
+        if mission.robot_speed_m_s is not None:
+            return mission
+        return replace(mission, robot_speed_m_s=self.scenario.agent.control.speed_max_m_s)
 
     def agent_config(self, robot: NodeId) -> AgentConfig:
         """Return the settings of one robot: what the scenario says of all, and of this one.
@@ -96,7 +99,7 @@ class ScenarioActors:
     def mission(self) -> Mission:
         """Make the mission computer; it is ordered the scenario's shapes."""
         return Mission(
-            self.scenario.mission,
+            self.mission_config,
             network_of(self.scenario),
             Roster.of(robot_types(self.scenario)),
             self.scene.obstacles,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -114,12 +115,8 @@ def stage_results(
     success : SuccessSpec
         What counts as at rest.
     """
-    ends = [*ordered[1:], len(trace.tick_times)]
-    return tuple(
-        _stage(trace, course, (begin, end), period_s, success)
-        for begin, end in zip(ordered, ends, strict=True)
-        if begin < end
-    )
+    ticks = pairwise([*ordered, len(trace.tick_times)])
+    return tuple(_stage(trace, course, window, period_s, success) for window in ticks if window[0] < window[1])
 
 
 def _stage(trace: Trace, course: Course, ticks: tuple[int, int], period_s: float, success: SuccessSpec) -> StageResults:

@@ -15,7 +15,6 @@ from swarm_msgs_py.partition import Method, PartitionConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionOutputs
-from swarm_msgs_py.types import NodeId
 
 EAST = SQUARE + np.array([5.0, 0.0])
 BOWTIE = np.array([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]])
@@ -156,4 +155,3 @@ def test_plans_of_forces_move_likewise() -> None:
     assert plan is not None
     assert plan.motion is not None
     assert (len(plan.goals), plan.follows, plan.robot_count) == (0, 0, 2)
-    assert NodeId(1) in air.nodes

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mission_computer.membership import Member
-from mission_computer.move import Move, rest_of
+from mission_computer.move import Move, haste, rest_of
 from mission_computer.plan_making import PlanMaker
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.messages.bodies import Plan, Task
@@ -41,7 +41,7 @@ def test_a_motion_begins_where_the_plan_before_it_will_be() -> None:
     maker = make_maker()
     first = maker.for_shape(1, SQUARE, ())
     east = maker.for_move(2, shifted(), first, ())
-    north = maker.for_move(3, Move(SQUARE + [0.0, 12.0], 25, 40, PERIOD), east, ())
+    north = maker.for_move(3, Move(SQUARE + np.array([0.0, 12.0]), 25, 40, PERIOD), east, ())
 
     assert (east.follows, north.follows) == (1, 1)
     assert east.motion is not None
@@ -140,3 +140,17 @@ def test_the_rest_of_a_motion_is_no_faster_than_the_whole() -> None:
     assert (before.begins, before.ticks) == (10, 40)
     assert rest_of(whole, 50, PERIOD) is None
     assert rest_of(maker.for_members(3, []), 5, PERIOD) is None
+
+
+def test_the_operator_reads_when_goals_outrun_the_robots_and_how_long_would_do() -> None:
+    maker = make_maker()
+    first = maker.for_shape(1, SQUARE, ())
+    plan = maker.for_move(2, shifted(ticks=30), first, ())  # 12 m in 15 s, smoothly
+
+    line = haste(plan, PERIOD, 0.5)
+
+    assert line.startswith("goals of plan 2 move at up to 1.")
+    seconds = int(line.split()[-2])
+    slow = maker.for_move(3, shifted(ticks=2 * seconds), first, ())
+    assert haste(slow, PERIOD, 0.5) == haste(first, PERIOD, 0.5) == ""
+    assert haste(maker.for_move(4, shifted(ticks=2 * seconds - 6), first, ()), PERIOD, 0.5)

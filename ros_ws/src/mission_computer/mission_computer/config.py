@@ -53,6 +53,13 @@ class MissionConfig(Config):
         unit="s",
         minimum=0.0,
     )
+    robot_speed_m_s: float | None = setting(
+        None,
+        "how fast robots drive, to warn of motions that are faster; in a scenario agent.control.speed_max_m_s if not"
+        " set, for a mission computer alone no warning",
+        unit="m/s",
+        above=0.0,
+    )
     task: Task | None = setting(
         None,
         "what plans ask of the robots: goals, to share out goals that are computed here; partition, to find the goals"

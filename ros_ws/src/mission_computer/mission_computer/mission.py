@@ -12,7 +12,7 @@ import numpy as np
 from mission_computer.config import MissionConfig
 from mission_computer.dissemination import Dissemination
 from mission_computer.membership import Member, Membership, change_line
-from mission_computer.move import Move, rest_of
+from mission_computer.move import Move, haste, rest_of
 from mission_computer.parking import ParkingWatch
 from mission_computer.plan_making import PlanMaker, nearest_inside
 from mission_computer.stages import Stage, StageSchedule
@@ -205,7 +205,8 @@ class Mission:
             return None, self._refusal(f"{refusal}: {error}")
         self._membership.account(inputs.time)
         self._put_in_force(body, inputs)
-        return self._plan, ""
+        speed = self._config.robot_speed_m_s
+        return self._plan, "" if speed is None else haste(plan, self._period, speed)
 
     def _led(self, tick: int) -> int:
         """Return the tick in which a motion begins that is ordered in `tick`."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray
 
@@ -35,6 +37,31 @@ class Move:
     def duration_s(self) -> float:
         """How long it takes [s]."""
         return self.ticks * self.period_s
+
+
+def haste(plan: Plan, period_s: float, speed_max: float) -> str:
+    """Return a line for the operator if goals move faster than robots drive, "" if they do not.
+
+    Parameters
+    ----------
+    plan : Plan
+    period_s : float
+        Duration of a tick [s].
+    speed_max : float
+        How fast robots drive [m/s].
+    """
+    motion = plan.motion
+    if motion is None or not motion.track.size:
+        return ""
+    interval = motion.ticks * period_s / (motion.knots - 1)
+    fastest = float(np.linalg.norm(np.diff(motion.track, axis=0), axis=2).max()) / interval
+    if fastest <= speed_max:
+        return ""
+    enough = math.ceil(motion.ticks * period_s * fastest / speed_max)
+    return (
+        f"goals of plan {plan.epoch} move at up to {fastest:.2f} m/s, robots drive at {speed_max:g} m/s and will lag; "
+        f"they keep up over {enough} s"
+    )
 
 
 def rest_of(plan: Plan, tick: int, period_s: float) -> Move | None:

@@ -1,7 +1,7 @@
 """Plans one after the other: which of them says where the shape and the goals are at a time.
 
-A plan with a motion is heard some seconds before the motion begins, and begins where the plan before it will be by then.
-So until it begins, the plan before it still says how things move.
+A plan with a motion is heard some seconds before the motion begins, and begins where the plan before it will have led
+to by then. So until it begins, the plan before it still says how things move.
 """
 
 from __future__ import annotations
@@ -33,6 +33,13 @@ class Course:
         begins = tick if plan.motion is None or not self._plans else max(tick, plan.motion.begins)
         kept = bisect_right(self._since, begins - 1)
         self._since[kept:], self._plans[kept:] = [begins], [plan]
+
+    def is_changing(self, tick: int) -> bool:
+        """Return whether a motion has moved shape and goals since the tick before."""
+        if not self._plans:
+            return False
+        motion = self.at(tick).motion
+        return motion is not None and motion.begins < tick <= motion.ends
 
     def at(self, tick: float) -> Plan:
         """Return the plan that applies at a tick; before the first one, that.

@@ -21,6 +21,8 @@ from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.frames import Batch, pack_batch
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.networking.config import NetworkConfig
+from swarm_msgs_py.plan_course import Course
+from swarm_msgs_py.plan_motion import goals_at
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import channels, convert, parameters, views
 from swarm_msgs_py.ros.spin import run_node
@@ -85,6 +87,7 @@ class MissionNode(Node):
         super().__init__(NAME, namespace=NAMESPACE, **options)
         self._mission, self._period, self._on_step = mission, period_s, on_step
         self._ordered: FloatArray | None = None
+        self._course = Course()
         self._radio = channels.publisher(self, topics.RADIO_TX, MISSION)
         self._goals = channels.publisher(self, topics.GOALS)
         self._markers = channels.publisher(self, topics.MARKERS)
@@ -102,11 +105,15 @@ class MissionNode(Node):
         if self._on_step is not None:
             self._on_step(outputs)
         if outputs.plan is not None:
-            self._show(seconds, outputs.plan)
+            self._course.put(batch.tick, outputs.plan)
+        elif not self._course.is_changing(batch.tick):
+            return
+        self._show(seconds, self._course.at(batch.tick), batch.tick)
 
-    def _show(self, seconds: float, plan: Plan) -> None:
-        self._goals.publish(views.poses(seconds, plan.goals, np.zeros(len(plan.goals))))
-        self._markers.publish(views.plan_markers(seconds, plan))
+    def _show(self, seconds: float, plan: Plan, tick: int) -> None:
+        """Tell viewers where the shape is; while it moves, in every tick."""
+        self._goals.publish(views.poses(seconds, goals_at(plan, tick), np.zeros(len(plan.goals))))
+        self._markers.publish(views.plan_markers(seconds, plan, tick))
 
 
 def _from_parameters(context: Context) -> MissionNode:

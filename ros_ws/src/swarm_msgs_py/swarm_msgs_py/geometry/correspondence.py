@@ -14,7 +14,8 @@ from swarm_msgs_py.geometry.contour import signed_area
 from swarm_msgs_py.types import FloatArray, IntArray
 
 COARSE = 48  # points in the search for where to begin
-FINE = 128  # points, at least, between which the match is found
+FINE = 96  # points, about, between which the match is found, if there are not more corners
+PIECES_MAX = 64  # of one edge; a target may be far longer than the start
 CORNERS_MAX = 512  # contours with more are resampled: the search takes as long as the product of both numbers
 NEARBY = 2.0  # coarse points around the best beginning, between which the fine search begins
 STRETCHES = ((1, 1), (1, 2), (2, 1), (2, 3), (3, 2), (1, 3), (3, 1), (1, 4), (4, 1))  # pieces of each that may match
@@ -43,14 +44,47 @@ def matched(start: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArr
     .. [1] A. Srivastava et al., "Shape analysis of elastic curves in Euclidean spaces", IEEE Transactions on Pattern
        Analysis and Machine Intelligence 33(7), 2011; there, too, the match is found by dynamic programming.
     """
-    sizes = signed_area(start) ** 0.5, signed_area(target) ** 0.5
-    one, other = _refined(start / sizes[0]), _refined(target / sizes[1])
-    best = _Elastic(resampled(one, COARSE), resampled(other, COARSE), np.arange(COARSE)).best_begin()
-    lengths = _lengths_before(other)
-    away = COARSE * lengths[:-1] / lengths[-1] - best
-    nearby = np.flatnonzero(np.abs((away + 0.5 * COARSE) % COARSE - 0.5 * COARSE) <= NEARBY)
-    rows = _with_skipped(_Elastic(one, other, nearby).path(), _lengths_before(one), lengths)
-    return sizes[0] * _at_lengths(one, rows[:, 0]), sizes[1] * _at_lengths(other, rows[:, 1])
+    growth = (signed_area(target) / signed_area(start)) ** 0.5
+    # A shape as a whole that grows, or a part of it that changes: whichever is the smaller change.
+    candidates = [_Match(start, target, scale) for scale in ((1.0, growth) if growth != 1.0 else (1.0,))]
+    return min(candidates, key=lambda match: match.cost).points()
+
+
+class _Match:
+    """The best match of a contour with another one, after that has been scaled.
+
+    Parameters
+    ----------
+    start, target : (k, 2), (m, 2) array
+        [m].
+    scale : float
+        By how much larger the target is held to be.
+
+    Attributes
+    ----------
+    cost : int
+        Of the match.
+    """
+
+    def __init__(self, start: FloatArray, target: FloatArray, scale: float) -> None:
+        size = signed_area(start) ** 0.5
+        self._scales = size, size * scale
+        contours = start / self._scales[0], target / self._scales[1]
+        piece = _lengths_before(contours[0])[-1] / FINE
+        self._one, self._other = (_refined(contour, piece) for contour in contours)
+        coarse = resampled(self._one, COARSE), resampled(self._other, COARSE)
+        begin = _Elastic(*coarse, np.arange(COARSE)).best_begin()
+        lengths = _lengths_before(self._other)
+        away = COARSE * lengths[:-1] / lengths[-1] - begin
+        nearby = np.flatnonzero(np.abs((away + 0.5 * COARSE) % COARSE - 0.5 * COARSE) <= NEARBY)
+        elastic = _Elastic(self._one, self._other, nearby)
+        self._path, self.cost = elastic.path(), elastic.least
+
+    def points(self) -> tuple[FloatArray, FloatArray]:
+        """Return the points that belong together, (p, 2) each [m]."""
+        rows = _with_skipped(self._path, _lengths_before(self._one), _lengths_before(self._other))
+        one, other = (_at_lengths(c, rows[:, k]) for k, c in enumerate((self._one, self._other)))
+        return self._scales[0] * one, self._scales[1] * other
 
 
 def resampled(contour: FloatArray, count: int) -> FloatArray:
@@ -82,6 +116,11 @@ class _Elastic:
         self._others = np.zeros(columns.shape, dtype=np.int64)
         self._others[:, 1:] = np.cumsum(steps[columns[:, :-1]], axis=1)
         self._costs = self._solved()
+
+    @property
+    def least(self) -> int:
+        """Cost of the cheapest way."""
+        return int(self._costs[-1, :, -1].min())
 
     def best_begin(self) -> int:
         """Return to which vertex of the other the first of the one belongs in the cheapest way."""
@@ -169,13 +208,13 @@ def _at_lengths(contour: FloatArray, lengths: FloatArray) -> FloatArray:
     return np.column_stack([np.interp(places, before, closed[:, axis]) for axis in range(2)])
 
 
-def _refined(contour: FloatArray) -> FloatArray:
-    """Return a contour with points on its longer edges, so that there are about `FINE` at least."""
+def _refined(contour: FloatArray, piece: float) -> FloatArray:
+    """Return a contour with points on its longer edges, about `piece` apart; equal edges are divided alike."""
     if len(contour) > CORNERS_MAX:
         return resampled(contour, CORNERS_MAX)
     following = np.roll(contour, -1, axis=0)
     lengths = np.sqrt(((following - contour) ** 2).sum(axis=1))
-    pieces = np.maximum(1, np.rint(lengths * (FINE / lengths.sum()))).astype(np.int64)
+    pieces = np.clip(np.rint(lengths / piece), 1, PIECES_MAX).astype(np.int64)
     first = np.repeat(np.arange(len(contour)), pieces)
     share = (np.arange(len(first)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[first]
     points: FloatArray = contour[first] + share[:, None] * (following - contour)[first]

@@ -62,8 +62,10 @@ class Morph:
         self._is_resized = abs(abs(self._growth) - 1.0) > SAME_SIZE
         moved = self._common(1.0, self._common(0.0, start, inverse=True))
         self._is_still = float(np.abs(moved - start).max()) < STILL
-        left = np.abs(self._growth * _complex(self._first) + self._shift - _complex(self._last))
-        self._changing = (left > STILL) | (np.roll(left, -1) > STILL)  # edges, by the points where they begin
+        # The target less the common motion, and which edges of both are no part of the other, by their first points.
+        self._end = _real((_complex(self._last) - self._shift) / self._growth)
+        off = np.maximum(_distances(self._first, self._end), _distances(self._end, self._first)) > STILL
+        self._changing = off | np.roll(off, -1)
 
     def at(self, share: float) -> FloatArray:
         """Return the contour after a share of the time, (p, 2) counter-clockwise [m]; 0: the start, 1: the target."""
@@ -109,9 +111,9 @@ class Morph:
         """
         if not self._changing.any():
             return np.full(len(points), np.inf)
-        ends = _real((_complex(self._last) - self._shift) / self._growth)
         pieces = [
-            np.stack([places, np.roll(places, -1, axis=0)], axis=1)[self._changing] for places in (self._first, ends)
+            np.stack([places, np.roll(places, -1, axis=0)], axis=1)[self._changing]
+            for places in (self._first, self._end)
         ]
         edges = shapely.union_all(shapely.linestrings(np.concatenate(pieces) + self._centers[0]))
         distances: FloatArray = shapely.distance(edges, shapely.points(points))
@@ -201,6 +203,12 @@ def _most_common(first: FloatArray, last: FloatArray) -> tuple[complex, complex]
         distances = np.abs(growth * one + shift - other)
         weights = lengths / np.maximum(distances, NEAR)
     return (growth, shift) if lengths[distances < STILL].sum() > 0.5 * lengths.sum() else None
+
+
+def _distances(points: FloatArray, contour: FloatArray) -> FloatArray:
+    """Return how far (n, 2) points are from a contour, (n,) [m]."""
+    distances: FloatArray = shapely.distance(shapely.LinearRing(contour), shapely.points(points))
+    return distances
 
 
 def _smooth(share: float) -> float:

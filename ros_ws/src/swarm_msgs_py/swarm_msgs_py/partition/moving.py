@@ -122,8 +122,11 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
         # Goals that settle for the contour of the next step are not behind when it is there.
         ahead = domains[min(step + 1, len(shares) - 1)]
         is_final = step > len(shares) - STEPS
-        settled = relax(Relaxing(ahead, config, free, is_final), morph.carried(settled, before, share))
-        held.follow(settled, morph.carried(held.places, before, share), domains[step])
+        begun = morph.carried(settled, before, share)
+        settled = relax(Relaxing(ahead, config, free, is_final), begun)
+        settled = np.where(_leaves(ahead.contour, begun, settled)[:, None], begun, settled)
+        parted = held.follow(settled, morph.carried(held.places, before, share), domains[step])
+        settled = np.where(parted[:, None], held.places, settled)
         places.append(held.places)
     smooth = _smoothed(morph, np.stack(places[::STEPS]))
     for knot, domain in enumerate(domains[STEPS::STEPS], start=1):
@@ -147,13 +150,31 @@ class _Held:
         self.places = places
         self._play = np.full(len(places), PLAY_M)
 
-    def follow(self, settled: FloatArray, carried: FloatArray, domain: Domain) -> None:
-        """Move toward where goals would settle, from where the common motion carries them; nearly all gaps are kept."""
+    def follow(self, settled: FloatArray, carried: FloatArray, domain: Domain) -> BoolArray:
+        """Move toward where goals would settle, from where the common motion carries them; nearly all gaps are kept.
+
+        Returns
+        -------
+        (n,) bool array
+            Goals that cannot get there inside the contour: where the shape parts, they stay with their side.
+        """
         ahead = settled - carried
         distances = np.sqrt((ahead * ahead).sum(axis=1))
         drawn = carried + ahead * (1.0 - np.minimum(1.0, self._play / np.maximum(distances, self._play)))[:, None]
+        parted = _leaves(domain.contour, carried, drawn)
         self._play = np.where(distances > self._play, PLAY_LEFT * self._play, self._play)
-        self.places = Separator(domain).apart(drawn, SWEEPS)
+        self.places = Separator(domain).apart(np.where(parted[:, None], carried, drawn), SWEEPS)
+        return parted
+
+
+def _leaves(contour: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+    """Return whether the straight way from each of (n, 2) points inside a contour to its end leaves it, (n,)."""
+    shape = Polygon(contour)
+    shapely.prepare(shape)
+    begins_inside = shapely.contains_xy(shape, starts[:, 0], starts[:, 1])
+    stays = shapely.covers(shape, shapely.linestrings(np.stack([starts, ends], axis=1)))
+    leaves: BoolArray = begins_inside & ~stays
+    return leaves
 
 
 def _domain(morph: Morph, share: float, obstacles: tuple[FloatArray, ...], radii: FloatArray, gaps: Gaps) -> Domain:

@@ -23,6 +23,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
 from swarm_msgs_py.orientation import quaternion_of
+from swarm_msgs_py.plan_motion import contour_at, goals_at
 from swarm_msgs_py.ros.cdr import NANO
 from swarm_msgs_py.ros.channels import publisher
 from swarm_msgs_py.ros.convert import MAP_FRAME, body_frame
@@ -132,12 +133,13 @@ def poses(seconds: float, positions: FloatArray, yaws: Iterable[float]) -> PoseA
     return PoseArray(header=_header(seconds), poses=posed)
 
 
-def plan_markers(seconds: float, plan: Plan) -> MarkerArray:
-    """Return the plan's contour, obstacles and goals as markers."""
+def plan_markers(seconds: float, plan: Plan, tick: int) -> MarkerArray:
+    """Return the plan's contour and goals, as they are at a tick, and its obstacles as markers."""
     header = _header(seconds)
-    lines = [_outline(header, "contour", 0, plan.contour, CONTOUR_COLOR)]
+    lines = [_outline(header, "contour", 0, contour_at(plan, tick), CONTOUR_COLOR)]
     lines += [_outline(header, "obstacles", k, corners, OBSTACLE_COLOR) for k, corners in enumerate(plan.obstacles)]
-    goals = Marker(header=header, ns="goals", type=Marker.SPHERE_LIST, color=GOAL_COLOR, points=_points(plan.goals))
+    places = _points(goals_at(plan, tick))
+    goals = Marker(header=header, ns="goals", type=Marker.SPHERE_LIST, color=GOAL_COLOR, points=places)
     goals.pose.orientation.w = 1.0
     goals.scale.x = goals.scale.y = goals.scale.z = GOAL_SIZE_M
     # What an earlier plan left on the screen goes first.

@@ -123,8 +123,9 @@ def _uncovered(robots: FloatArray, contours: list[FloatArray], first: int) -> Fl
     step = float(reaches.min()) / GRID_STEPS
     axes = [np.arange(low + 0.5 * step, high, step) for low, high in zip(corners.min(0), corners.max(0), strict=True)]
     x, y = (grid.ravel() for grid in np.meshgrid(*axes))
-    grid = np.column_stack([x, y])
     inside = np.stack([_contains(contour, x, y) for contour in contours])
+    ever = inside.any(axis=0)
+    inside, grid = inside[:, ever], np.column_stack([x[ever], y[ever]])
     distances = np.stack([
         KDTree(places).query(grid, distance_upper_bound=reach)[0]
         for places, reach in zip(robots, reaches, strict=True)
