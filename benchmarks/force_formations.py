@@ -26,12 +26,12 @@ from swarm_agent.forces.config import ForceConfig, ForceLawName
 from swarm_agent.forces.registry import law_for
 from swarm_agent.planning.config import PlanningConfig
 from swarm_agent.planning.path_planner import planner_for
+from swarm_msgs_py.geometry.mesh_quality import mesh_quality
 from swarm_msgs_py.partition.bubble_packing import BubblePacking
 from swarm_msgs_py.partition.config import BubbleConfig, Gaps
 from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.metrics.displacement import DisplacementBound, displacement_bound
-from swarm_sim.metrics.mesh import mesh_quality
 
 SPEED, BUBBLES_OVER_BOUND, DEADLINE = 0.5, 1.08, 300.0
 RADII, OBSTACLES = field_radii(), field_obstacles()

@@ -19,6 +19,7 @@ from time import process_time
 import numpy as np
 
 from mission_computer.shape import load_shape
+from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.partition import Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.partition.method import METHODS
@@ -27,7 +28,6 @@ from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.metrics.controls import hexagonal_lattices, random_points
-from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 
 FORMATIONS = ("formation_1", "formation_2", "formation_3", "formation_4")
 ISO_AREA = ("iso_1_circle", "iso_2_rect", "iso_3_rect", "iso_4_free")

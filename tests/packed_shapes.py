@@ -10,11 +10,11 @@ import shapely
 from rosters import FIELD
 
 from mission_computer.shape import load_shape
+from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.partition import Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.partition.method import METHODS
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 
 FORMATIONS = ("formation_1", "formation_2", "formation_3", "formation_4")
 COMPACT, BANDED = ("formation_1", "formation_3"), ("formation_2", "formation_4")

@@ -13,10 +13,10 @@ from batches.estimates import Estimate, estimate
 from batches.quantities import Quantity
 from bringup.layout import robot_types
 from bringup.resolution import contour_of
+from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.metrics.controls import hexagonal_lattices, random_points
-from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 
 DRAWS = 40
 """Sets of random points per shape."""

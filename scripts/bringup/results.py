@@ -12,12 +12,12 @@ from bringup.scenario import Scenario
 from bringup.stage_results import motion_results, stage_results
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
+from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import Positioning
 from swarm_msgs_py.types import BoolArray, FloatArray
 from swarm_sim.metrics.displacement import displacement_bound, path_lengths
 from swarm_sim.metrics.localization import LocalizationError, localization_error
-from swarm_sim.metrics.mesh import MeshQuality, mesh_quality
 from swarm_sim.metrics.settling import Settling, settling
 from swarm_sim.metrics.trace import Trace, TraceRecorder
 

@@ -10,7 +10,7 @@ from mission_computer.shape import load_shape
 from swarm_agent.forces.config import ForceConfig, ForceLawName
 from swarm_agent.forces.registry import law_for
 from swarm_agent.planning.config import PlanningConfig
-from swarm_sim.metrics.mesh import mesh_quality
+from swarm_msgs_py.geometry.mesh_quality import mesh_quality
 
 CONFIG = ForceConfig()
 LITERAL, SHARING = ForceLawName.LITERAL, ForceLawName.SHARING

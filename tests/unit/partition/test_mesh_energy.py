@@ -3,11 +3,11 @@ import pytest
 import shapely
 from packed_shapes import field_domain, random_points
 
+from swarm_msgs_py.geometry.mesh_quality import mesh_quality
 from swarm_msgs_py.partition.cell_integrals import Region
 from swarm_msgs_py.partition.lattice_starts import lattice_starts
 from swarm_msgs_py.partition.mesh_energy import MeshEnergy
 from swarm_msgs_py.partition.own_frame import OwnFrame
-from swarm_sim.metrics.mesh import mesh_quality
 
 NAME = "formation_1"
 DOMAIN = field_domain(NAME)

@@ -5,9 +5,9 @@ import pytest
 import shapely
 from mesh_irregularity import mesh_irregularity
 
+from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality, voronoi_mesh
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.metrics.mesh import MeshQuality, mesh_quality, voronoi_mesh
 
 
 def hexagonal_lattice(rings: int) -> FloatArray:

@@ -96,17 +96,21 @@ class VoronoiConfig(Config):
     triangles trades the cells' equal areas, of which there is enough, for equal distances.
     """
 
-    starts: int = setting(15, "hexagonal lattices to begin with", minimum=1, maximum=1000)
-    start_steps: int = setting(25, "steps for each of them", minimum=1, maximum=1000)
-    finalists: int = setting(3, "most regular ones that are settled to the end", minimum=1, maximum=1000)
-    steps_max: int = setting(60, "steps at most in the end", minimum=1, maximum=10_000)
+    starts: int = setting(9, "hexagonal lattices to begin with", minimum=1, maximum=1000)
+    start_steps: int = setting(20, "steps for each of them", minimum=1, maximum=1000)
+    finalists: int = setting(
+        3, "most regular ones that are settled to the end, beside the packing", minimum=1, maximum=1000
+    )
+    steps_max: int = setting(30, "steps at most in the end", minimum=1, maximum=10_000)
     tolerance_m: float = setting(1e-3, "settled when no goal is to move farther in a step", unit="m", minimum=1e-5)
     rim_width: float = setting(0.7, "width of the lighter rim at the start, in spacings", minimum=0.0, maximum=2.0)
     core_density: float = setting(0.6, "density that the inside has more than the rim", minimum=0.0, maximum=10.0)
     radius_share: float = setting(
         0.35, "weight of a cell in spacings times radius: 0 equal cells, 1 equal free gaps", minimum=0.0, maximum=1.0
     )
-    triangle_gain: float = setting(0.15, "share of the triangles in the energy", minimum=0.0, maximum=10.0)
+    triangle_gain: float = setting(
+        0.15, "share of the triangles in the energy; more and less are tried", minimum=0.0, maximum=10.0
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

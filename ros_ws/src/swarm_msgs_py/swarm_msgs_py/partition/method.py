@@ -28,6 +28,6 @@ class PartitionMethod(Protocol):
 METHODS: Mapping[Method, Callable[[PartitionConfig], PartitionMethod]] = {
     Method.BUBBLE_PACKING: lambda config: BubblePacking(config.bubbles),
     Method.FRACTALS: lambda config: RandomizedFractals(config.fractals),
-    Method.VORONOI: lambda config: CentroidalVoronoi(config.voronoi),
+    Method.VORONOI: lambda config: CentroidalVoronoi(config.voronoi, config.bubbles),
 }
 """How to make each method from its settings."""

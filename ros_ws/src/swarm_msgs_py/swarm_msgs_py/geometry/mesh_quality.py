@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from scipy.spatial import Delaunay, QhullError, Voronoi
+from shapely.geometry.base import BaseGeometry
 
 from swarm_msgs_py.types import FloatArray, IntArray
 
@@ -61,11 +62,17 @@ def mesh_quality(centers: FloatArray, radii: FloatArray, contour: FloatArray) ->
     contour : (k, 2) array
         The shape that they fill [m].
     """
-    shape = shapely.Polygon(contour)
+    return mesh_quality_in(shapely.Polygon(contour), centers, radii)
+
+
+def mesh_quality_in(shape: BaseGeometry, centers: FloatArray, radii: FloatArray) -> MeshQuality:
+    """Measure a formation in a shape that may have holes and several parts; the rest as `mesh_quality`."""
     spacing = float(np.sqrt(2.0 * shape.area / (np.sqrt(3.0) * len(centers))))  # spec 9.2
     cells, edges = voronoi_mesh(centers, shape, EDGE_MIN * spacing)
     clipped = shapely.intersection(cells, shape)
     clipped = clipped[shapely.area(clipped) > 0.0]
+    mixed = shapely.get_type_id(clipped) == shapely.GeometryType.GEOMETRYCOLLECTION  # with points or lines of contact
+    clipped[mixed] = shapely.buffer(clipped[mixed], 0.0)
     deviation = np.abs(np.bincount(edges.ravel(), minlength=len(centers)) - HEXAGON)
     interior = shapely.contains_properly(shape, cells)
     gaps = np.linalg.norm(centers[edges[:, 0]] - centers[edges[:, 1]], axis=1) - radii[edges].sum(axis=1)
@@ -81,14 +88,14 @@ def mesh_quality(centers: FloatArray, radii: FloatArray, contour: FloatArray) ->
     )
 
 
-def voronoi_mesh(centers: FloatArray, shape: shapely.Polygon, edge_min: float) -> tuple[np.ndarray, IntArray]:
+def voronoi_mesh(centers: FloatArray, shape: BaseGeometry, edge_min: float) -> tuple[np.ndarray, IntArray]:
     """Return the Voronoi cells and the restricted adjacency.
 
     Parameters
     ----------
     centers : (n, 2) array
         [m].
-    shape : shapely.Polygon
+    shape : shapely polygon or multi-polygon
         Two robots are neighbors if their cells share an edge piece longer than `edge_min` inside it.
     edge_min : float
         [m].
@@ -100,7 +107,7 @@ def voronoi_mesh(centers: FloatArray, shape: shapely.Polygon, edge_min: float) -
     edges : (m, 2) int array
         Pairs of neighbors, each pair once, in ascending order.
     """
-    points = np.vstack([centers, np.array(shape.exterior.coords)])
+    points = np.vstack([centers, shapely.get_coordinates(shape)])
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     far = FAR * max(float(np.ptp(points, axis=0).max()), 1.0)
     sites = np.vstack([centers, middle + far * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])])
@@ -119,7 +126,7 @@ def _cell(voronoi: Voronoi, site: int) -> shapely.Polygon:
     return shapely.Polygon(voronoi.vertices[voronoi.regions[voronoi.point_region[site]]]).convex_hull
 
 
-def _triangle_irregularity(centers: FloatArray, shape: shapely.Polygon) -> FloatArray:
+def _triangle_irregularity(centers: FloatArray, shape: BaseGeometry) -> FloatArray:
     """Return 0.5 - r_in / R_circ of the Delaunay triangles whose circumcenter is inside the shape, (m,)."""
     try:
         corners = centers[Delaunay(centers).simplices]
