@@ -15,11 +15,11 @@ from mission_computer.shape import load_shape
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.geometry.bridges import split
 from swarm_msgs_py.geometry.contour import area_centroid
+from swarm_msgs_py.geometry.mesh_quality import mesh_quality
 from swarm_msgs_py.geometry.morphing import Morph
 from swarm_msgs_py.partition import GoalSet, Method, PartitionConfig, partition
 from swarm_msgs_py.partition.moving import KNOT_S, KNOTS_MIN, PLAY_M, REACH, knots_for, track
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.metrics.mesh import mesh_quality
 
 MOVING = [Method.BUBBLE_PACKING, Method.VORONOI]
 KNOTS = 8

@@ -48,7 +48,7 @@ class CentroidalVoronoi:
     The packing of bubbles, which every robot can compute alone as well, is one more start, and the standard that the
     result is to meet: what wins is the best mesh of those that no metric finds worse than the packing. As the packing
     is no optimum of any of them, a part of the way from it to an even tessellation mostly is one of those where all
-    lattices fail; if nothing is, what exceeds the packing least wins. So settings of the energy are where the search
+    lattices fail; if nothing is, the packing itself may win. So settings of the energy are where the search
     begins, and metrics decide.
 
     Nothing is drawn at random, and nothing but the shape, the obstacles, the radii and the settings enters. All is
@@ -123,6 +123,8 @@ class CentroidalVoronoi:
                         break
             if min(standing for standing, _ in found).excess == 0.0:
                 break
+        else:
+            judged(reference)
         return min(found, key=itemgetter(0))[1]
 
 
