@@ -121,11 +121,11 @@ class FormationMetrics:
     gap_variation: float | None
     covered_fraction: float | None
 
-    morph_latency_s: float | None
-    morph_outside_fraction: float | None
-    morph_recovery_s: float | None
-    stage_settling_s: tuple[float | None, ...] | None
-    stage_displacement_m: tuple[float, ...] | None
+    morph_latency_s: float | None = None
+    morph_outside_fraction: float | None = None
+    morph_recovery_s: float | None = None
+    stage_settling_s: tuple[float | None, ...] | None = None
+    stage_displacement_m: tuple[float, ...] | None = None
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``."""
@@ -142,15 +142,11 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
     # A shape that changed on the way cost more than the last one needs; there is no fair bound for it.
     bound, longest = (None, None) if outcome.supervisor.has_changed_shape else _bound(scenario, trace, plan, live)
     quality = _quality(scenario, trace, plan, live)
-    course, period = outcome.supervisor.course, scenario.sim.period_s
-    motion = motion_results(trace, course, period, live)
-    stages = stage_results(trace, course, outcome.supervisor.stages, period, scenario.success)
-    stages = stages if scenario.stages else ()
     blind = _blind(scenario, trace)
     localization = _localization(trace, blind)
     heard, lost = trace.beacons >= scenario.agent.lps.lost.beacons_min, trace.positioning > Positioning.LOCALIZED
     sim_time = len(trace.tick_times) * scenario.sim.period_s
-    return FormationMetrics(
+    metrics = FormationMetrics(
         scenario=scenario.name,
         family=scenario.family.value,
         method=scenario.method,
@@ -194,11 +190,30 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         cell_area_variation=quality.area_variation if quality else None,
         gap_variation=quality.gap_variation if quality else None,
         covered_fraction=quality.covered_fraction if quality else None,
-        morph_latency_s=motion.latency_s if motion else None,
-        morph_outside_fraction=motion.outside if motion else None,
-        morph_recovery_s=motion.recovery_s if motion else None,
-        stage_settling_s=tuple(stage.settling_s for stage in stages) or None,
-        stage_displacement_m=tuple(stage.displacement_m for stage in stages) or None,
+    )
+    return _of_several_shapes(metrics, scenario, outcome.supervisor, trace, live)
+
+
+def _of_several_shapes(
+    metrics: FormationMetrics, scenario: Scenario, supervisor: Supervisor, trace: Trace, live: np.ndarray
+) -> FormationMetrics:
+    """Return the metrics with those of stages and motions, where there are any."""
+    period = scenario.sim.period_s
+    motion = motion_results(trace, supervisor.course, period, live)
+    if motion is not None:
+        metrics = replace(
+            metrics,
+            morph_latency_s=motion.latency_s,
+            morph_outside_fraction=motion.outside,
+            morph_recovery_s=motion.recovery_s,
+        )
+    if not scenario.stages:
+        return metrics
+    stages = stage_results(trace, supervisor.course, supervisor.stages, period, scenario.success)
+    return replace(
+        metrics,
+        stage_settling_s=tuple(stage.settling_s for stage in stages),
+        stage_displacement_m=tuple(stage.displacement_m for stage in stages),
     )
 
 

@@ -106,6 +106,20 @@ FILES = {
         changed(lambda d: d["shape"].update(translation_m=[4.5, 0])),
         r"bad\.yaml: shape: 'hw_2_square': vertex .* outside the arena .*; move or shrink",
     ),
+    "stage of nothing": (
+        changed(lambda d: d.update(stages=[{"over_s": 5.0}])),
+        r"bad\.yaml: stages\[0\]: a stage without a shape; give shape, split, join",
+    ),
+    "motion of a shape that cannot move": (
+        changed(
+            lambda d: d.update(stages=[{"scale": 1.1, "over_s": 5}], mission={"partition": {"method": "fractals"}})
+        ),
+        r"bad\.yaml: stages\[0\]: partition method fractals is not applicable to moving shapes; use bubble-packing",
+    ),
+    "motion out of the arena": (
+        changed(lambda d: d.update(stages=[{"scale": 1.1}, {"translate_m": [4.5, 0.0], "over_s": 9.0}])),
+        r"bad\.yaml: stages\[1\]: 'shape': vertex .* outside the arena .*; move or shrink",
+    ),
     "obstacle over the shape": (
         changed(lambda d: d["shape"].update(translation_m=[2.5, 2.5])),
         r"bad\.yaml: shape: lies over obstacle 'post' near \(2\.\d, 2\.\d\); move one of them",

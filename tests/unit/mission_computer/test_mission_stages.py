@@ -115,14 +115,14 @@ def test_an_order_of_the_operator_becomes_a_motion_if_that_is_wanted_and_ends_th
 
 
 def test_an_order_that_cannot_be_used_is_refused_and_the_motion_goes_on() -> None:
-    air = Air(make_mission(Stage(EAST, over_s=10.0, at_s=1.0), morph_s=6.0))
+    air = Air(make_mission(Stage(EAST, over_s=10.0, at_s=1.0), Stage(SQUARE, at_s=20.0), morph_s=6.0))
     steps(air, 6)
 
     refused = air.step(shape=BOWTIE)
 
     assert refused.plan is None
     assert refused.report.notice.startswith("shape refused: ")
-    assert refused.report.epoch == 2
+    assert (refused.report.epoch, refused.report.stages_left) == (2, 1)
 
 
 def test_after_a_loss_in_mid_motion_the_rest_is_planned_for_those_who_are_left() -> None:

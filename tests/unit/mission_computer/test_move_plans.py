@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from shapely import Polygon
 
 from mission_computer.membership import Member
 from mission_computer.move import Move, haste, rest_of
@@ -48,7 +49,8 @@ def test_a_motion_begins_where_the_plan_before_it_will_be() -> None:
     assert north.motion is not None
     np.testing.assert_array_equal(east.motion.start, first.contour)
     np.testing.assert_allclose(goals_at(east, 10), first.goals, atol=0.0051)
-    np.testing.assert_allclose(north.motion.start, contour_at(east, 25), atol=0.0051)
+    begun, there = Polygon(north.motion.start), Polygon(contour_at(east, 25))
+    assert begun.symmetric_difference(there).area < 0.01 * there.area
     np.testing.assert_allclose(goals_at(north, 25), goals_at(east, 25), atol=0.0051)
     assert goals_at(north, 25)[:, 0].mean() > first.goals[:, 0].mean() + 3.0  # on its way already
     np.testing.assert_array_equal(north.goal_types, first.goal_types)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 from numpy.testing import assert_allclose, assert_array_equal
 
+from mission_computer.shape import load_shape
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
 from swarm_msgs_py.partition import Method, PartitionConfig
-from swarm_msgs_py.plan_goals import completed
-from swarm_msgs_py.plan_motion import contour_at, goal_rates_at, goals_at, is_moving
+from swarm_msgs_py.plan_goals import completed, is_contour
+from swarm_msgs_py.plan_motion import contour_at, goal_rates_at, goals_at, is_moving, outline_at
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 
@@ -37,6 +39,22 @@ def test_contours_are_those_of_the_plan_before_and_after() -> None:
     assert contour_at(PLAN, BEGINS) is SQUARE
     assert contour_at(PLAN, 140) is PLAN.contour
     assert_allclose(contour_at(PLAN, 120).min(axis=0), [2.0, 0.0], atol=1e-9)
+
+
+def test_an_outline_on_the_way_is_a_contour_in_centimeters_to_begin_another_motion_with() -> None:
+    start, target = load_shape("iso_3_rect"), load_shape("iso_4_free")
+    nowhere = np.empty((0, 0, 2))
+    plan = Plan(2, target, (), nowhere[0:0].reshape(0, 2), np.empty(0, dtype=np.int64), 0, Task.FORCES,
+                motion=Motion(0, 400, start, 0.0, nowhere, 8))  # fmt: skip
+
+    for tick in range(1, 400, 7):
+        outline, contour = outline_at(plan, tick), contour_at(plan, tick)
+        assert is_contour(outline)
+        assert_array_equal(outline, outline.round(2))
+        assert len(outline) <= len(contour)
+        assert shapely.Polygon(outline).symmetric_difference(shapely.Polygon(contour)).area < 1.0
+    assert outline_at(plan, 400) is target
+    assert outline_at(plan, 0).shape == start.shape
 
 
 def test_a_plan_without_motion_is_at_rest() -> None:

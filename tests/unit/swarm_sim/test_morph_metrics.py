@@ -51,7 +51,10 @@ def test_robots_outside_are_counted_over_the_motion() -> None:
 
 
 def test_recovery_is_the_time_until_the_last_one_is_inside() -> None:
-    metrics = follow(behind(8.0))  # 1 m of the last 3.2 m is still to go, at 0.4 m/s, when the last one comes in
+    positions = behind(0.0)
+    positions[:, 2] = behind(8.0)[:, 2]  # of the left column; 1 m of its last 3.2 m is to go when it comes in
+
+    metrics = follow(positions)
 
     assert metrics.recovery_s == pytest.approx(8.0 - 1.0 / SPEED, abs=2 * STEP)
 

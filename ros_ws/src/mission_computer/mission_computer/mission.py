@@ -144,9 +144,8 @@ class Mission:
 
     def _replan(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Return the new plan, if there is cause for one, and a line for the operator."""
-        ordered = self._ordered(inputs)
-        if ordered is not None:
-            return self._plan_shape(ordered, inputs, "shape refused")
+        if inputs.shape is not None or self._first is not None:
+            return self._plan_order(inputs)
         if self._plan is None:
             return None, ""
         stage = self._schedule.next_due(inputs.time, self._rested(self._plan, inputs.time))
@@ -161,14 +160,16 @@ class Mission:
             return self._plan_members(inputs)
         return None, ""
 
-    def _ordered(self, inputs: MissionInputs) -> Stage | None:
-        """Return the shape that the operator has just ordered, which ends the schedule, or at first the first shape."""
-        if inputs.shape is not None:
-            self._first = None
-            self._schedule.cancel()
-            return Stage(inputs.shape, self._config.morph_s)
+    def _plan_order(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
+        """Plan for the shape that the operator has just ordered, which ends the schedule; at first, the first shape."""
         first, self._first = self._first, None
-        return None if first is None else Stage(first)
+        if inputs.shape is not None:
+            plan, notice = self._plan_shape(Stage(inputs.shape, self._config.morph_s), inputs, "shape refused")
+            if plan is not None:
+                self._schedule.cancel()
+            return plan, notice
+        assert first is not None  # what else was there to plan for?
+        return self._plan_shape(Stage(first), inputs, "shape refused")
 
     def _rested(self, plan: Plan, time: float) -> float:
         """Return for how long everybody has been at rest in the shape, below 0 if they are not [s]."""
@@ -177,8 +178,6 @@ class Mission:
         robots = self._membership.present(time)
         # Who has not been heard at all by the time that makes a silent robot lost is not waited for.
         expected = self._expected - len(self._membership.lost(time)) if time < self._config.lost_after_s else 0
-        if time < formed_at:
-            expected = self._expected + 1
         return self._parking.rested(time, plan.epoch, formed_at, robots, expected)
 
     def _plan_stage(self, stage: Stage, inputs: MissionInputs) -> tuple[Plan | None, str]:

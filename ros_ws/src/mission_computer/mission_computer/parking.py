@@ -43,7 +43,8 @@ class ParkingWatch:
         expected : int
             How many that ought to be at least.
         """
-        is_at_rest = len(robots) >= max(expected, 1) and all(
+        is_there = time >= formed_at and len(robots) >= max(expected, 1)
+        is_at_rest = is_there and all(
             self._is_parked(robot, epoch) and self._reports[robot][0] >= formed_at for robot in robots
         )
         if not is_at_rest:

@@ -19,7 +19,7 @@ from swarm_msgs_py.partition import GoalSet, PartitionConfig, adapt, partition
 from swarm_msgs_py.partition.domain import check_obstacles
 from swarm_msgs_py.partition.moving import knots_for, track
 from swarm_msgs_py.plan_goals import completed, goals_crc, is_contour
-from swarm_msgs_py.plan_motion import contour_at, goals_at
+from swarm_msgs_py.plan_motion import goals_at, outline_at
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
@@ -142,7 +142,7 @@ class PlanMaker:
         FrameError
             If the plan cannot be put into a packet.
         """
-        contour, start = self._sound(move.target), contour_at(present, move.begins).round(2)
+        contour, start = self._sound(move.target), outline_at(present, move.begins)
         morph = morph_between(start, contour, move.rotation_rad)
         self._check_way(morph)
         bodies, roster = self._bodies(lost), self._roster.without(member.type for member in lost)

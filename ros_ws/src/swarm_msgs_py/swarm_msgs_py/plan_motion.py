@@ -9,10 +9,14 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import shapely
 
 from swarm_msgs_py.geometry.morphing import morph_between
 from swarm_msgs_py.messages.bodies import Motion, Plan
 from swarm_msgs_py.types import FloatArray
+
+CENTIMETER_M = 0.01
+OUTLINE_M = 0.02  # [m]; what a beginning may leave out of a contour
 
 
 def is_moving(plan: Plan, tick: float) -> bool:
@@ -47,6 +51,37 @@ def contour_at(plan: Plan, tick: float) -> FloatArray:
         return motion.start
     start, target = np.ascontiguousarray(motion.start).tobytes(), np.ascontiguousarray(plan.contour).tobytes()
     return _contour(start, target, motion.rotation_rad, (tick - motion.begins) / motion.ticks)
+
+
+def outline_at(plan: Plan, tick: float) -> FloatArray:
+    """Return the contour at a tick as another motion may begin with it: in whole centimeters, with no idle corners.
+
+    Parameters
+    ----------
+    plan : Plan
+    tick : float
+
+    Returns
+    -------
+    (k, 2) array
+        Simple and counter-clockwise, less than `OUTLINE_M` from the contour (but for what is narrower than that) [m];
+        that of the plan, if its shape is at rest.
+
+    Raises
+    ------
+    ShapeError
+        As `contour_at`.
+    """
+    contour = contour_at(plan, tick)
+    motion = plan.motion
+    if motion is None or not motion.begins < tick < motion.ends:
+        return contour
+    # Where a neck is about to part, rounding may pinch it off; the larger part goes on.
+    whole = shapely.set_precision(shapely.Polygon(contour).simplify(OUTLINE_M / 2.0), CENTIMETER_M)
+    largest = max(shapely.get_parts(whole), key=lambda part: float(part.area))
+    ring = shapely.get_coordinates(shapely.geometry.polygon.orient(largest).exterior)[:-1]
+    outline: FloatArray = ring.round(2) + 0.0  # no negative zeros
+    return outline
 
 
 def goals_at(plan: Plan, tick: float) -> FloatArray:

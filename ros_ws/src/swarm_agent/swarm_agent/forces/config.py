@@ -88,6 +88,13 @@ class ForceConfig(Config):
     literal: LiteralForceConfig = section(LiteralForceConfig, "gains of the thesis' law")
     sharing: SharingForceConfig = section(SharingForceConfig, "tuning of the own variant")
 
+    foresight_s: float = setting(
+        2.0,
+        "while the shape moves, forces see it as it will be so much later: they move robots about as far behind it",
+        unit="s",
+        minimum=0.0,
+    )
+
     def __post_init__(self) -> None:
         """Check that rest has hysteresis."""
         Config.__post_init__(self)

@@ -57,6 +57,7 @@ class ForceForming:
         self._planning = planning
         self._mesh = mesh
         self._period = period_s
+        self._ahead = config.foresight_s / period_s
         self._plan: Plan | None = None
         self._course = Course()
         self._forces: ForceStrategy | None = None  # of that plan; None if it is of no use
@@ -99,7 +100,8 @@ class ForceForming:
         if self._forces is None:
             return None
         try:
-            contour = contour_at(self._course.at(tick), tick)
+            seen = tick + self._ahead
+            contour = contour_at(self._course.at(seen), seen)
             if contour is not self._contour:
                 self._contour, self._shape = contour, shapely.Polygon(contour)
                 shapely.prepare(self._shape)

@@ -23,7 +23,7 @@ COLLAPSE = 2.0  # cost per length of a piece that becomes a point: what `_stretc
 UNIT = 2.0**30  # costs are whole numbers of this part, so that sums are exact, and ties the same on all processors
 
 
-def matched(start: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
+def matched(start: FloatArray, target: FloatArray, collapse: float = COLLAPSE) -> tuple[FloatArray, FloatArray]:
     """Return points of two contours that belong together, in order; among them are all corners of both.
 
     A piece of one may belong to a single point of the other: where a shape parts in two, the sides between the parts
@@ -33,6 +33,9 @@ def matched(start: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArr
     ----------
     start, target : (k, 2), (m, 2) array
         Simple contours, counter-clockwise; where they are does not count, how they are turned does [m].
+    collapse : float
+        Cost per length of a piece that becomes a point, or comes out of one; the less, the fewer are its neighbors that
+        take part in it.
 
     Returns
     -------
@@ -46,7 +49,7 @@ def matched(start: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArr
     """
     growth = (signed_area(target) / signed_area(start)) ** 0.5
     # A shape as a whole that grows, or a part of it that changes: whichever is the smaller change.
-    candidates = [_Match(start, target, scale) for scale in ((1.0, growth) if growth != 1.0 else (1.0,))]
+    candidates = [_Match(start, target, scale, collapse) for scale in ((1.0, growth) if growth != 1.0 else (1.0,))]
     return min(candidates, key=lambda match: match.cost).points()
 
 
@@ -59,6 +62,8 @@ class _Match:
         [m].
     scale : float
         By how much larger the target is held to be.
+    collapse : float
+        Cost per length of a piece that becomes a point.
 
     Attributes
     ----------
@@ -66,18 +71,19 @@ class _Match:
         Of the match.
     """
 
-    def __init__(self, start: FloatArray, target: FloatArray, scale: float) -> None:
+    def __init__(self, start: FloatArray, target: FloatArray, scale: float, collapse: float) -> None:
         size = signed_area(start) ** 0.5
         self._scales = size, size * scale
         contours = start / self._scales[0], target / self._scales[1]
         piece = _lengths_before(contours[0])[-1] / FINE
         self._one, self._other = (_refined(contour, piece) for contour in contours)
         coarse = resampled(self._one, COARSE), resampled(self._other, COARSE)
-        begin = _Elastic(*coarse, np.arange(COARSE)).best_begin()
+        begin = _Elastic(*coarse, np.arange(COARSE), collapse).best_begin()
         lengths = _lengths_before(self._other)
         away = COARSE * lengths[:-1] / lengths[-1] - begin
-        nearby = np.flatnonzero(np.abs((away + 0.5 * COARSE) % COARSE - 0.5 * COARSE) <= NEARBY)
-        elastic = _Elastic(self._one, self._other, nearby)
+        apart = np.abs((away + 0.5 * COARSE) % COARSE - 0.5 * COARSE)
+        nearby = np.flatnonzero(apart <= max(NEARBY, float(apart.min())))
+        elastic = _Elastic(self._one, self._other, nearby, collapse)
         self._path, self.cost = elastic.path(), elastic.least
 
     def points(self) -> tuple[FloatArray, FloatArray]:
@@ -101,17 +107,19 @@ class _Elastic:
     one, other : (n, 2), (m, 2) array
     begins : (c,) int array
         Vertices of the other to which the first vertex of the one may belong.
+    collapse : float
+        Cost per length of an edge that becomes a point.
     """
 
-    def __init__(self, one: FloatArray, other: FloatArray, begins: IntArray) -> None:
+    def __init__(self, one: FloatArray, other: FloatArray, begins: IntArray, collapse: float) -> None:
         self._sizes = len(one), len(other)
         self._begins = begins
         columns = (begins[:, None] + np.arange(len(other) + 1)) % len(other)
         self._stretches = {
             (a, b): _stretching(one, other, a, b)[:, columns[:, : len(other) + 1 - b]] for a, b in STRETCHES
         }
-        self._ones = _whole(COLLAPSE * np.linalg.norm(np.roll(one, -1, axis=0) - one, axis=1))
-        steps = _whole(COLLAPSE * np.linalg.norm(np.roll(other, -1, axis=0) - other, axis=1))
+        self._ones = _whole(collapse * np.linalg.norm(np.roll(one, -1, axis=0) - one, axis=1))
+        steps = _whole(collapse * np.linalg.norm(np.roll(other, -1, axis=0) - other, axis=1))
         # What it costs to let the other's vertices up to here belong to one vertex.
         self._others = np.zeros(columns.shape, dtype=np.int64)
         self._others[:, 1:] = np.cumsum(steps[columns[:, :-1]], axis=1)

@@ -14,6 +14,7 @@ from swarm_msgs_py.geometry.correspondence import matched, resampled
 from swarm_msgs_py.types import FloatArray
 
 CHECKS = 48  # of the contour on its way, at equal shares of time
+STIFF = 0.5  # cost of a piece that becomes a point, where the usual one lets the contour cross itself
 POINTS = 128  # of contours whose points are matched by their place along the contour alone
 ROUNDS = 60  # of the fit of the common motion
 NEAR = 1e-6  # [m]; points that the common motion brings this near to their places weigh no more for being nearer
@@ -49,7 +50,7 @@ class Morph:
         self._centers = area_centroid(start), area_centroid(target)
         self._areas = signed_area(start), signed_area(target)
         one, other = start - self._centers[0], _turned(target - self._centers[1], -rotation_rad)
-        for match in (matched, _matched_evenly):
+        for match in (matched, _matched_stiffly, _matched_evenly):
             self._first, self._last = match(one, other)
             if self._is_simple():
                 break
@@ -175,6 +176,11 @@ def morph_between(start: FloatArray, target: FloatArray, rotation_rad: float = 0
 @lru_cache(maxsize=8)
 def _morph(start: bytes, target: bytes, rotation_rad: float) -> Morph:
     return Morph(np.frombuffer(start).reshape(-1, 2), np.frombuffer(target).reshape(-1, 2), rotation_rad)
+
+
+def _matched_stiffly(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return points matched so that new pieces come out of single points, and do not fold what is beside them."""
+    return matched(one, other, STIFF)
 
 
 def _matched_evenly(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -33,11 +33,12 @@ KNOT_S = 5.0  # goals are told at least this often; between knots they are inter
 KNOTS_MIN = 8
 STEPS = 8  # of the contour from knot to knot
 ITERATIONS = 60  # of bubble packing after each of them: at least 40 per 0.5 s of motion (spec 13)
-DESCENTS = 8  # steps of the Voronoi descent after each of them
-SOFTNESS = 1.0 / 3.0  # share of the triangles' gain on the way: stiff triangles would keep a lattice from flowing
+DESCENTS = 4  # steps of the Voronoi descent after each of them
+PUSHES = 30  # iterations of bubble packing before them, while all of a lattice is to flow: rows would resist
+SOFTNESS = 1.0 / 3.0  # share of the triangles' gain meanwhile: stiff triangles would not let it
 REACH = 3.0  # [spacings]; goals farther from where the contour changes stay at rest
 SWEEPS = 50  # of pushing goals apart after each step; the next one goes on where they end
-PLAY_M = 0.05  # [m]; goals that would move less stay where they are
+PLAY = 0.02  # [spacings]; goals that would move less stay where they are
 PLAY_LEFT = 0.8  # share of its play that is left to a goal after each step in which it moved
 SMOOTHINGS = 2  # of the goals' ways in time: goals that change places in the mesh would do so at a jump
 GAP_MIN_M = 0.01  # what `Gaps` allows at least
@@ -116,7 +117,7 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
     domains = [_domain(morph, share, obstacles, radii, gaps) for share in shares]
     start = goals.positions.round(DECIMALS) + 0.0
     free = morph.distances_to_change(start) < REACH * domains[0].spacing
-    settled, held = start, _Held(start)
+    settled, held = start, _Held(start, PLAY * domains[0].spacing)
     places = [start]
     for step, (before, share) in enumerate(pairwise(shares), start=1):
         # Goals that settle for the contour of the next step are not behind when it is there.
@@ -144,11 +145,13 @@ class _Held:
     ----------
     places : (n, 2) array
         [m].
+    play : float
+        [m].
     """
 
-    def __init__(self, places: FloatArray) -> None:
+    def __init__(self, places: FloatArray, play: float) -> None:
         self.places = places
-        self._play = np.full(len(places), PLAY_M)
+        self._play = np.full(len(places), play)
 
     def follow(self, settled: FloatArray, carried: FloatArray, domain: Domain) -> BoolArray:
         """Move toward where goals would settle, from where the common motion carries them; nearly all gaps are kept.
@@ -210,12 +213,19 @@ def _bubbles(step: Relaxing, centers: FloatArray) -> FloatArray:
 
 
 def _descent(step: Relaxing, centers: FloatArray) -> FloatArray:
-    """Return the centers after some steps toward a centroidal Voronoi tessellation, near the origin (`Region`)."""
+    """Return the centers after some steps toward a centroidal Voronoi tessellation, near the origin (`Region`).
+
+    As in the partition of a shape at rest, the packing of bubbles helps where the tessellation would get stuck: in a
+    shape that becomes longer and narrower, rows of cells have to join.
+    """
     domain, tuning, origin = step.domain, step.config.voronoi, step.domain.center
     shape = Polygon(domain.contour - origin)
     shape = shape.difference(shapely.union_all([Polygon(outline - origin) for outline in domain.obstacles])).buffer(0.0)
     weights = tuning.radius_share * domain.spacing * domain.radii
-    gain = tuning.triangle_gain * (1.0 if step.is_final else SOFTNESS)
+    flows = bool(step.free.all()) and not step.is_final
+    if flows:
+        centers = Packing(step.config.bubbles, domain).relaxed(centers, PUSHES)
+    gain = tuning.triangle_gain * (SOFTNESS if flows else 1.0)
     energy = MeshEnergy(Region(shape), shape.area, weights, gain)
 
     def of_the_free(sites: FloatArray) -> tuple[float, FloatArray]:

@@ -15,7 +15,7 @@ from swarm_msgs_py.types import BoolArray, FloatArray
 REACH = 0.65  # hexagonal spacings; what is farther from every robot is uncovered
 LAG_MAX = 20.0  # [s]; longest lag that is looked for
 STEP = 0.25  # [s]; of time, and of the lag
-GRID_STEPS = 6  # of the grid on which areas are measured, per reach: errs by about 1e-3 of a shape's area
+GRID_STEPS, SIDE_STEPS = 6, 50  # of the grid on which areas are measured, per reach, and per root of the area at least
 UNCOVERED_SLACK = 0.03  # recovered when no more than this is uncovered beyond what stays so
 TIE = 1e-9  # means of shares that differ by less are equal
 
@@ -120,7 +120,7 @@ def _uncovered(robots: FloatArray, contours: list[FloatArray], first: int) -> Fl
     areas = np.array([signed_area(contour) for contour in contours[first:]])
     reaches = REACH * np.sqrt(2.0 * areas / (np.sqrt(3.0) * robots.shape[1]))
     corners = np.concatenate(contours)
-    step = float(reaches.min()) / GRID_STEPS
+    step = min(float(reaches.min()) / GRID_STEPS, float(areas.min()) ** 0.5 / SIDE_STEPS)
     axes = [np.arange(low + 0.5 * step, high, step) for low, high in zip(corners.min(0), corners.max(0), strict=True)]
     x, y = (grid.ravel() for grid in np.meshgrid(*axes))
     inside = np.stack([_contains(contour, x, y) for contour in contours])
