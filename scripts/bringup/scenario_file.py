@@ -65,6 +65,8 @@ class Origin:
         for override in reversed(self.overrides):
             if f"{key}.".startswith(f"{override.key}."):
                 return override.flag  # it set the whole of it
+            if key.startswith(f"{override.key}["):
+                return f"{override.flag}{key.removeprefix(override.key)}"  # the list that this is an entry of
             if override.key.startswith(f"{key}."):
                 return f"{override.flag}: {key}"
         return at(self.file, key)

@@ -132,3 +132,9 @@ def test_the_mission_computer_is_told_the_stages(tmp_path: Path) -> None:
 
     assert record.mission is not None
     assert (record.mission.stage, record.mission.stages_left) == (0, 1)
+
+
+def test_a_stage_from_the_command_line_is_blamed_on_its_option(tmp_path: Path) -> None:
+    message = refusal(tmp_path, f"[{MORPH}]", "stages=[{scale: 1.1}, {translate_m: [17.0, 0.0]}]")
+
+    assert message.startswith("--set stages[1]: 'shape': vertex ")

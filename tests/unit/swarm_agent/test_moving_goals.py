@@ -19,7 +19,9 @@ from swarm_agent.decision.rows import RowBook
 from swarm_agent.energy import EnergyConfig, EnergyStore
 from swarm_agent.planning.config import PlanningConfig
 from swarm_agent.planning.path_planner import planner_for
-from swarm_msgs_py.messages.bodies import CostRow, Motion, Plan
+from swarm_msgs_py.body_codec import encode_body
+from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, CostRow, Motion, Plan
+from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
@@ -100,6 +102,21 @@ def test_rows_under_the_number_of_a_plan_that_was_followed_count_and_those_befor
     assert book.version_of(ME) == 4
 
 
+def test_own_rows_are_counted_on_through_plans_that_follow_each_other() -> None:
+    mesh = MeshNetwork(ME, NetworkConfig(), PERIOD)
+    mesh.receive(0, ())
+    consensus = Consensus(ME, 1, DecisionConfig(), PERIOD)
+    consensus.receive(0, [Delivery(OTHER, encode_body(make_plan(GOALS)))], mesh)
+    consensus.offer(0, np.array([100, 300]), mesh)
+    consensus.receive(1, [Delivery(OTHER, encode_body(moving(2, follows=1)))], mesh)
+
+    # Rows of its own may lead the count of its offers by so much: one from an earlier life of the robot.
+    consensus.receive(2, [Delivery(OTHER, encode_body(row(ME, 2, [1, 2], VERSION_LEAP_MAX + 1)))], mesh)
+
+    assert consensus.book.epoch == 2
+    assert consensus.book.version_of(ME) == VERSION_LEAP_MAX + 1
+
+
 class Mind:
     """The decision of robot 1, without a body; another robot has the first goal."""
 
@@ -166,7 +183,8 @@ def test_while_goals_are_shared_out_anew_it_follows_the_one_that_it_had() -> Non
     mind = Mind()
     mind.consensus.book.adopt(moving(2, follows=1))
     mind.strategy.step(2, GOALS[1])
-    mind.consensus.book.adopt(moving(3, follows=0, begins=BEGINS + 20, start=GOALS + 0.5 * NORTH))
+    anew = moving(3, follows=0, begins=BEGINS + 20, start=GOALS + 0.5 * NORTH)
+    mind.consensus.book.adopt(replace(anew, contour=anew.contour + 1.0))
 
     decision = mind.strategy.step(BEGINS + 10, GOALS[1])
 
