@@ -69,7 +69,7 @@ class Presence:
         belief = np.array([*self.position.tolist(), *self.velocity.tolist(), xx, xy, yy, self.shared])
         belief.flags.writeable = False
         object.__setattr__(self, "belief", belief)
-        object.__setattr__(self, "sigma", math.sqrt((xx + yy) / 2.0))
+        object.__setattr__(self, "sigma", math.sqrt(max(xx + yy, 0.0) / 2.0))  # of damage too, which frames refuse
 
 
 @dataclass(frozen=True, slots=True)

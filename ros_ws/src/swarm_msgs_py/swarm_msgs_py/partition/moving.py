@@ -32,6 +32,7 @@ from swarm_msgs_py.types import BoolArray, FloatArray
 KNOT_S = 5.0  # goals are told at least this often; between knots they are interpolated
 KNOTS_MIN = 8
 STEPS = 8  # of the contour from knot to knot
+AHEAD = 3  # steps by which the contour for which goals settle is ahead: packing follows a contour late
 ITERATIONS = 60  # of bubble packing after each of them: at least 40 per 0.5 s of motion (spec 13)
 DESCENTS = 4  # steps of the Voronoi descent after each of them
 PUSHES = 30  # iterations of bubble packing before them, while all of a lattice is to flow: rows would resist
@@ -120,8 +121,8 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
     settled, held = start, _Held(start, PLAY * domains[0].spacing)
     places = [start]
     for step, (before, share) in enumerate(pairwise(shares), start=1):
-        # Goals that settle for the contour of the next step are not behind when it is there.
-        ahead = domains[min(step + 1, len(shares) - 1)]
+        # Goals that settle for a contour to come are not behind when it is there.
+        ahead = domains[min(step + AHEAD, len(shares) - 1)]
         is_final = step > len(shares) - STEPS
         begun = morph.carried(settled, before, share)
         settled = relax(Relaxing(ahead, config, free, is_final), begun)
