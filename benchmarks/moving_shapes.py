@@ -14,7 +14,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -49,13 +49,24 @@ MOTIONS: dict[str, tuple[str, str]] = {
 SEQUENCE = ("formation_1", "{shape: {name: formation_2}}, {shape: {name: formation_4}}")
 DURATION = "duration_s=700"
 
-COLUMNS: dict[str, tuple[Callable[[Metrics], float | None], int]] = {
-    "latency [s]": (lambda m: m["morph_latency_s"], 2),
-    "outside [%]": (lambda m: 100.0 * m["morph_outside_fraction"], 2),
-    "recovery [s]": (lambda m: m["morph_recovery_s"], 2),
-    "least clearance [m]": (lambda m: -m["min_clearance_m"], 3),
+
+@dataclass(frozen=True)
+class Column:
+    """One number of the table of motions."""
+
+    value: Callable[[Metrics], float | None]
+    digits: int
+    worst: Callable[[Sequence[float]], float] = max
+
+
+COLUMNS: dict[str, Column] = {
+    "latency [s]": Column(lambda m: m["morph_latency_s"], 2),
+    "outside [%]": Column(
+        lambda m: None if m["morph_outside_fraction"] is None else 100.0 * m["morph_outside_fraction"], 2
+    ),
+    "recovery [s]": Column(lambda m: m["morph_recovery_s"], 2),
+    "least clearance [m]": Column(lambda m: m["min_clearance_m"], 3, min),
 }
-"""All of them: the less, the better; of the clearance the least is the worst."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -63,11 +74,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         file = open_results(options.out)
-        table = _sequence if options.sequence else _motions
-        rows = table(options, file)
+        runs = _Runs(options, file)
+        rows = _sequence(options, runs) if options.sequence else _motions(options, runs)
     except (ConfigError, ShapeError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    if warning := file.warning(runs.keys):
+        print(f"\n**{warning}**")
     return 0 if all(metrics["achieved"] and not metrics["collisions"] for metrics in rows) else 1
 
 
@@ -84,23 +97,65 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _motions(options: argparse.Namespace, file: ResultFile) -> list[Metrics]:
+class _Runs:
+    """Makes runs, or takes them from the file.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    file : ResultFile
+
+    Attributes
+    ----------
+    keys : list of str
+        Of the runs asked for.
+    """
+
+    def __init__(self, options: argparse.Namespace, file: ResultFile) -> None:
+        self._options = options
+        self._file = file
+        self.keys: list[str] = []
+
+    def of(self, method: str, shape: str, stages: str) -> list[Metrics]:
+        """Return the metrics of all seeds."""
+        found = []
+        for seed in self._options.seeds:
+            key = f"{self._options.scenario}, {shape}, {stages}, {method}, seed {seed}"
+            if key not in self._file.records:
+                self._file.append(key, self._run(method, shape, stages, seed))
+            self.keys.append(key)
+            # As the file has it: tuples have become lists whether or not the run is an old one.
+            found.append(json.loads(json.dumps(self._file.records[key])))
+        return found
+
+    def _run(self, method: str, shape: str, stages: str, seed: int) -> Metrics:
+        overrides = (
+            shape_override(shape),
+            *method_overrides(method),
+            Override("--seeds", "seed", seed),
+            *map(parse_assignment, (f"stages=[{stages}]", DURATION, "sim.physics.backend=massdamper")),
+        )
+        scenario = resolve(*load_scenario(self._options.scenario, overrides))
+        return asdict(formation_metrics(scenario, ENGINE, run_to_verdict(scenario)))
+
+
+def _motions(options: argparse.Namespace, runs: _Runs) -> list[Metrics]:
     print_head(["motion", "method", "runs", "achieved", "collisions", *COLUMNS])
     rows: list[Metrics] = []
     for motion in options.motions:
         for method in options.methods:
-            found = _runs(options, method, *MOTIONS[motion], file)
-            cells = [_cell([value(metrics) for metrics in found], digits) for value, digits in COLUMNS.values()]
+            found = runs.of(method, *MOTIONS[motion])
+            cells = [_cell(list(map(column.value, found)), column.digits, column.worst) for column in COLUMNS.values()]
             print_row([motion, method, *_outcome(found), *cells])
             rows += found
     return rows
 
 
-def _sequence(options: argparse.Namespace, file: ResultFile) -> list[Metrics]:
+def _sequence(options: argparse.Namespace, runs: _Runs) -> list[Metrics]:
     print_head(["method", "runs", "achieved", "collisions", "displacement [m]", "settling [s]", "per shape [s]"])
     rows: list[Metrics] = []
     for method in options.methods:
-        found = _runs(options, method, *SEQUENCE, file)
+        found = runs.of(method, *SEQUENCE)
         settled = [metrics["stage_settling_s"] for metrics in found if None not in metrics["stage_settling_s"]]
         driven = [sum(metrics["stage_displacement_m"]) for metrics in found]
         per_shape = " / ".join(number(fmean(times)) for times in zip(*settled, strict=True))
@@ -110,35 +165,18 @@ def _sequence(options: argparse.Namespace, file: ResultFile) -> list[Metrics]:
     return rows
 
 
-def _runs(options: argparse.Namespace, method: str, shape: str, stages: str, file: ResultFile) -> list[Metrics]:
-    """Return the metrics of all seeds, run as far as they are not in the file."""
-    found = []
-    for seed in options.seeds:
-        key = f"{options.scenario}, {shape}, {stages}, {method}, seed {seed}"
-        if key not in file.records:
-            overrides = (
-                shape_override(shape),
-                *method_overrides(method),
-                Override("--seeds", "seed", seed),
-                *map(parse_assignment, (f"stages=[{stages}]", DURATION, "sim.physics.backend=massdamper")),
-            )
-            scenario = resolve(*load_scenario(options.scenario, overrides))
-            file.append(key, asdict(formation_metrics(scenario, ENGINE, run_to_verdict(scenario))))
-        # As the file has it: tuples have become lists whether or not the run is an old one.
-        found.append(json.loads(json.dumps(file.records[key])))
-    return found
-
-
 def _outcome(rows: Sequence[Metrics]) -> list[str]:
     achieved, collisions = (sum(metrics[name] for metrics in rows) for name in ("achieved", "collisions"))
     return [str(len(rows)), str(achieved), str(collisions)]
 
 
-def _cell(values: Sequence[float | None], digits: int) -> str:
+def _cell(values: Sequence[float | None], digits: int, worst: Callable[[Sequence[float]], float] = max) -> str:
+    """Return mean and worst, and of how many runs if some do not have the number."""
     known = [value for value in values if value is not None]
     if not known:
         return "-"
-    return f"{abs(fmean(known)):.{digits}f} ({abs(max(known)):.{digits}f})"
+    some = "" if len(known) == len(values) else f", {len(known)} of {len(values)} runs"
+    return f"{fmean(known):.{digits}f} ({worst(known):.{digits}f}{some})"
 
 
 if __name__ == "__main__":
