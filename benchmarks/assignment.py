@@ -96,7 +96,7 @@ def _rows(scenario: Scenario, plan: Plan) -> tuple[CostRow, ...]:
     """Return what the robots offer where they start."""
     paths = {kind: PathCosts(kind, scenario.agent.planning) for kind in sorted(set(robot_types(scenario)), key=str)}
     return tuple(
-        CostRow(1, NodeId(robot.id), robot.type.type, 1, paths[robot.type].of(plan, np.array(robot.position)))
+        CostRow(1, NodeId(robot.id), robot.type.type, 1, paths[robot.type].of(0, plan, np.array(robot.position)))
         for robot in make_scene(scenario).robots
     )
 

@@ -32,7 +32,7 @@ from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.simulation import Simulation
 
-COUNTED = 200  # ticks, from the first on: the robots do not know yet where they are, and try several hypotheses
+TICKS = 200  # from the first on: the robots do not know yet where they are, and try several hypotheses
 TARGETS_MS = {0.5: 1.0, 0.99: 5.0}  # of the share of steps
 PARTS: tuple[tuple[str, Any, str], ...] = (
     ("agent: the whole step", Agent, "step"),
@@ -54,29 +54,34 @@ PARTS: tuple[tuple[str, Any, str], ...] = (
 )
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Run twice, with and without timers inside the step; print and draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--figure", type=Path, metavar="FILE", help="where to draw the result, a PNG")
-    options = parser.parse_args()
-    whole, _ = _measure(PARTS[:1])
+    parser.add_argument("--scenario", default="formation-50", help="what to run (default: %(default)s)")
+    parser.add_argument("--ticks", type=int, default=TICKS, help="that are timed (default: %(default)s)")
+    options = parser.parse_args(arguments)
+    whole, _ = _measure(PARTS[:1], options.scenario, options.ticks)
     steps = whole[PARTS[0][0]]
     median, p99 = np.quantile(steps, (0.5, 0.99)) / 1e3
     print(f"one agent step, timed as a whole: median {median:.2f} ms, 99th percentile {p99:.2f} ms\n")
-    parts, per_tick = _measure(PARTS)
+    parts, per_tick = _measure(PARTS, options.scenario, options.ticks)
     print("| part, with all timers running | calls per tick | mean [us] | median [us] | p99 [us] | share of the tick |")
     print("| --- | --- | --- | --- | --- | --- |")
     for name, micros in parts.items():
-        share = micros.sum() / COUNTED / per_tick / 1e6
+        if not len(micros):  # nobody needed it: a robot with a position sensor asks no beacons, for one
+            continue
+        share = micros.sum() / options.ticks / per_tick / 1e6
         median, p99 = np.quantile(micros, (0.5, 0.99))
-        print(
-            f"| {name} | {len(micros) / COUNTED:.1f} | {micros.mean():.0f} | {median:.0f} | {p99:.0f} | {share:.0%} |"
-        )
+        calls = len(micros) / options.ticks
+        print(f"| {name} | {calls:.1f} | {micros.mean():.0f} | {median:.0f} | {p99:.0f} | {share:.0%} |")
     if options.figure is not None:
         _draw(steps, parts, options.figure)
 
 
-def _measure(parts: Sequence[tuple[str, Any, str]]) -> tuple[dict[str, FloatArray], float]:
+def _measure(
+    parts: Sequence[tuple[str, Any, str]], source: str, ticks_timed: int
+) -> tuple[dict[str, FloatArray], float]:
     """Return the time of each call [us] by part, and that of a tick of everything [s]."""
     spent: dict[str, list[float]] = defaultdict(list)
     plain = [(owner, method, getattr(owner, method)) for _, owner, method in parts]
@@ -84,13 +89,13 @@ def _measure(parts: Sequence[tuple[str, Any, str]]) -> tuple[dict[str, FloatArra
         for (name, _, _), (owner, method, function) in zip(parts, plain, strict=True):
             setattr(owner, method, _timed(function, spent[name]))
         massdamper = Override("bench_agent.py", "sim.physics.backend", "massdamper")
-        scenario = resolve(*load_scenario("formation-50", (massdamper,)))
+        scenario = resolve(*load_scenario(source, (massdamper,)))
         with InProcessEngine(ScenarioActors(scenario)) as engine:
             ticks = engine.ticks()
             began = time.perf_counter()
-            for _ in range(COUNTED):
+            for _ in range(ticks_timed):
                 next(ticks)
-            per_tick = (time.perf_counter() - began) / COUNTED
+            per_tick = (time.perf_counter() - began) / ticks_timed
     finally:
         for owner, method, function in plain:
             setattr(owner, method, function)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -29,7 +29,7 @@ SPACING_M = 2.2
 HELLO, PACKET = b"h" * 60, b"p" * 90
 
 
-def main() -> None:
+def main(sizes: Sequence[int] = SIZES, ticks: int = TICKS) -> None:
     """Measure and print the table."""
     print(
         f"{'back end':<12}{'robots':>7}{'start ms':>10}{'physics ms':>12}{'best ms':>10}"
@@ -37,14 +37,14 @@ def main() -> None:
     )
     for backend in Backend:
         config = SimConfig(physics=PhysicsConfig(backend=backend))
-        for size in SIZES:
+        for size in sizes:
             scene = make_scene(size)
             began = time.perf_counter()
             world = make_world(config, scene, seed=1)
             start_ms = 1e3 * (time.perf_counter() - began)
-            physics_ms, best_ms = measure_physics(world, size)
+            physics_ms, best_ms = measure_physics(world, size, ticks)
             world.close()
-            observe_ms, radio_ms = measure_simulation(Simulation(config, scene, seed=1))
+            observe_ms, radio_ms = measure_simulation(Simulation(config, scene, seed=1), ticks)
             print(
                 f"{backend.value:<12}{size:>7}{start_ms:>10.1f}{physics_ms:>12.2f}{best_ms:>10.2f}{observe_ms:>12.2f}{radio_ms:>10.2f}"
             )
@@ -70,22 +70,22 @@ def block(x: float, y: float) -> FloatArray:
     return np.array([(x - 1.5, y - 1.5), (x + 1.5, y - 1.5), (x + 1.5, y + 1.5), (x - 1.5, y + 1.5)])
 
 
-def measure_physics(world: World, size: int) -> tuple[float, float]:
+def measure_physics(world: World, size: int, ticks: int) -> tuple[float, float]:
     """Return the median and the least cost of one control period [ms]; every fifth tick all setpoints change."""
     rng = np.random.default_rng(0)
     setpoints, costs = np.zeros((size, 3)), []
-    for tick in range(TICKS):
+    for tick in range(ticks):
         if tick % 5 == 0:
             setpoints[:, :2] = rng.uniform(-0.3, 0.3, (size, 2))
         costs.append(cost_of(partial(world.advance, setpoints)))
     return statistics.median(costs), min(costs)
 
 
-def measure_simulation(sim: Simulation) -> tuple[float, float]:
+def measure_simulation(sim: Simulation, ticks: int) -> tuple[float, float]:
     """Return the median cost of all sensors and of the radio with two frames per robot [ms]."""
     observing, sending = [], []
     command = VelocityCommand(0.1, 0.0)
-    for _ in range(TICKS // 2):
+    for _ in range(ticks // 2):
         observing.append(cost_of(sim.observe))
         commands = dict.fromkeys(sim.robots, command)
         outboxes = dict.fromkeys((*sim.robots, MISSION), (HELLO, PACKET))

@@ -48,20 +48,23 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--law", nargs="+", choices=names, default=names)
     parser.add_argument("--shapes", nargs="+", default=["formation_1", "formation_2", "formation_3", "formation_4"])
     parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--deadline", type=float, default=DEADLINE, help="of a run [s] (default: %(default)s)")
     options = parser.parse_args(arguments)
     print(f"| law | shape | {' | '.join(COLUMNS)} |\n|{' --- |' * (len(COLUMNS) + 2)}")
     for law in options.law:
         for shape in options.shapes:
-            print(f"| {law} | {shape} | {_row(ForceLawName(law), shape, options.seeds)} |", flush=True)
+            print(
+                f"| {law} | {shape} | {_row(ForceLawName(law), shape, options.seeds, options.deadline)} |", flush=True
+            )
 
 
-def _row(name: ForceLawName, shape: str, seeds: int) -> str:
+def _row(name: ForceLawName, shape: str, seeds: int, deadline: float) -> str:
     config, contour = ForceConfig(), load_shape(shape)
     goals = BubblePacking(BubbleConfig()).place(Domain(contour, OBSTACLES, RADII, Gaps()))
     assert goals is not None, "the field's roster fits every library formation"
     law = law_for(name, config.at_period(PERIOD), contour, OBSTACLES, PlanningConfig())
     outcomes = [
-        form(law, config, contour, scattered(RADII, OBSTACLES, seed), RADII, OBSTACLES, deadline=DEADLINE)
+        form(law, config, contour, scattered(RADII, OBSTACLES, seed), RADII, OBSTACLES, deadline=deadline)
         for seed in range(seeds)
     ]
     settled = [outcome for outcome in outcomes if outcome.settled_after is not None]

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import shapely
 from rosters import FIELD
 
 from mission_computer.shape import load_shape
@@ -15,6 +14,7 @@ from swarm_msgs_py.partition import Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain
 from swarm_msgs_py.partition.method import METHODS
 from swarm_msgs_py.types import FloatArray
+from swarm_sim.metrics import controls
 
 FORMATIONS = ("formation_1", "formation_2", "formation_3", "formation_4")
 COMPACT, BANDED = ("formation_1", "formation_3"), ("formation_2", "formation_4")
@@ -52,8 +52,6 @@ def _quality(method: Method, shape: str, turn: float, seed: int) -> MeshQuality:
 
 
 def random_points(shape: str, seed: int) -> FloatArray:
-    """Fifty points drawn evenly from a shape."""
-    domain, rng = field_domain(shape), np.random.default_rng(seed)
-    low, high = domain.contour.min(axis=0), domain.contour.max(axis=0)
-    drawn = rng.uniform(low, high, size=(2000, 2))
-    return drawn[shapely.contains_xy(shapely.Polygon(domain.contour), drawn)][: len(domain.radii)]
+    """Fifty points drawn evenly from a library shape."""
+    domain = field_domain(shape)
+    return controls.random_points(domain.contour, len(domain.radii), np.random.default_rng(seed))

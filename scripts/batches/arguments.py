@@ -36,6 +36,8 @@ class Arguments:
         Address of the scheduler of a Dask cluster that simulates instead.
     simulates : bool
         False: only write tables and figure of what the folder has.
+    keeps_outdated : bool
+        Whether results that other code made count, and are not made anew.
     out : Path
         Folder of the results.
     """
@@ -44,6 +46,7 @@ class Arguments:
     workers: int
     scheduler: str | None
     simulates: bool
+    keeps_outdated: bool
     out: Path
 
 
@@ -64,9 +67,10 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
         methods=tuple(given.method),
         objectives=tuple(given.objective),
         overrides=_overrides(given),
+        is_turned=given.turns,
         seeds=given.seeds,
     )
-    return Arguments(design, given.workers, given.scheduler, not given.tables_only, given.out)
+    return Arguments(design, given.workers, given.scheduler, not given.tables_only, given.keep_outdated, given.out)
 
 
 def seed_range(text: str) -> range:
@@ -97,8 +101,9 @@ def _make_parser() -> argparse.ArgumentParser:
         "that is named, each with the same seeds, without ROS. All methods of one seed and shape start alike. Writes "
         "one table of all runs (runs.parquet), a summary (summary.md, summary.csv) and a figure (comparison.png).",
         epilog="A batch that was stopped, or killed, goes on when the same command is given again; more seeds, shapes "
-        "or methods may be added. Examples: 'monte_carlo.py --method bubble-packing voronoi --shape formation_1 "
-        "formation_2 --seeds 200'; 'monte_carlo.py --seeds 201:1000 --scheduler tcp://10.0.0.1:8786' (its workers: "
+        "or methods may be added: tables are of all that the folder has results of. Examples: 'monte_carlo.py --method "
+        "bubble-packing voronoi --shape formation_1 formation_2 --seeds 200'; 'monte_carlo.py --seeds 201:1000 "
+        "--scheduler tcp://10.0.0.1:8786' (its workers: "
         f"'PYTHONPATH=scripts dask worker ADDRESS --nthreads 1'). Ready-made scenarios: {', '.join(scenario_names())}. "
         "Exit code 0: done, whatever the runs came to; 1: a worker, the cluster or the disk failed; 2: bad input, "
         "nothing was written; 130: interrupted, what was done is kept.",
@@ -121,10 +126,15 @@ def _make_parser() -> argparse.ArgumentParser:
         help="bullet or massdamper (default: %(default)s)")  # fmt: skip
     add("--set", metavar="KEY=VALUE", action="append", default=[],
         help="change one setting of all runs; the end of its key is enough where it is unique")  # fmt: skip
+    add("--turns", action="store_true",
+        help="turn the shape by an angle drawn from the seed, the same for all methods, so that differences hold for "
+        "more than one orientation")  # fmt: skip
     add("--workers", metavar="K", type=whole(1, 1024), default=os.cpu_count() or 1,
         help="processes that simulate; the numbers do not depend on it (default: all cores)")  # fmt: skip
     add("--scheduler", metavar="ADDRESS", type=_named, help="simulate on a Dask cluster instead, e.g. tcp://host:8786")
     add("--tables-only", action="store_true", help="simulate nothing; write tables and figure of what the folder has")
+    add("--keep-outdated", action="store_true",
+        help="count results that other code made, with a warning (default: make them anew)")  # fmt: skip
     add("--out", metavar="DIR", type=folder, default=DEFAULT_OUT, help="folder of the results (default: %(default)s)")
     return parser
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
+from batches.turns import turned
 from bringup.resolution import written_out
 from bringup.scenario import Scenario
 from bringup.scenario_file import Origin, Override, dump_scenario, load_scenario, method_overrides, shape_override
@@ -18,6 +19,9 @@ BLOCK = 10
 that is stopped has about as many seeds of every cell."""
 
 FINGERPRINT_DIGITS = 8
+TURNED = "-turned"
+"""What the fingerprint of a cell ends with whose shape has another orientation for every seed."""
+SEED = ", seed "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +34,8 @@ class Design:
         As the command line names them.
     overrides : tuple of Override
         Of all runs.
+    is_turned : bool
+        Whether the shape has another orientation for every seed.
     seeds : range
     """
 
@@ -38,6 +44,7 @@ class Design:
     methods: tuple[str, ...] = ()
     objectives: tuple[str, ...] = ()
     overrides: tuple[Override, ...] = ()
+    is_turned: bool = False
     seeds: range = range(1, 2)
 
 
@@ -54,7 +61,7 @@ class Cell:
     is_objective_named : bool
         Whether objectives are compared, and so belong to the name of the variant.
     fingerprint : str
-        Tells apart scenarios that differ in anything but the seed.
+        Tells apart scenarios that differ in anything but the seed; ends with `TURNED` if the seed turns the shape.
     """
 
     scenario: Scenario
@@ -66,6 +73,16 @@ class Cell:
     def place(self) -> tuple[str, str]:
         """Scenario and shape: cells that differ in nothing else than these cannot be compared."""
         return self.scenario.name, self.scenario.shape.name or ""
+
+    @property
+    def name(self) -> tuple[str, str, str, str]:
+        """What people know this cell by; two that are compared must differ in it."""
+        return (*self.place, self.method, self.objective)
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the shape has another orientation for every seed."""
+        return self.fingerprint.endswith(TURNED)
 
     @property
     def method(self) -> str:
@@ -85,7 +102,7 @@ class Cell:
     @property
     def key(self) -> str:
         """What tells this cell from others, for people and for the file of results."""
-        return ", ".join((*self.place, self.method, self.objective, self.fingerprint))
+        return ", ".join((*self.name, self.fingerprint))
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +115,23 @@ class Run:
     @property
     def key(self) -> str:
         """What tells this run from others in the file of results."""
-        return f"{self.cell.key}, seed {self.seed}"
+        return f"{self.cell.key}{SEED}{self.seed}"
+
+    @property
+    def scenario(self) -> Scenario:
+        """What is run."""
+        scenario = replace(self.cell.scenario, seed=self.seed)
+        return turned(scenario) if self.cell.is_turned else scenario
+
+
+def seeds_by_cell(keys: Iterable[str]) -> dict[str, list[int]]:
+    """Return the seeds of each cell among keys of runs, ascending; cells by key, in the order of their first run."""
+    found: dict[str, list[int]] = {}
+    for key in keys:
+        cell, _, seed = key.rpartition(SEED)
+        if cell and seed.isdecimal():
+            found.setdefault(cell, []).append(int(seed))
+    return {cell: sorted(seeds) for cell, seeds in found.items()}
 
 
 def cells(design: Design) -> tuple[Cell, ...]:
@@ -113,13 +146,20 @@ def cells(design: Design) -> tuple[Cell, ...]:
     choices = product(*map(_choices, (design.shapes, design.methods, design.objectives)))
     for source, (shape, method, objective) in product(design.scenarios, choices):
         cell = _cell(design, source, shape, method, objective)
-        known = found.setdefault((*cell.place, cell.method, cell.objective), cell)
+        known = found.setdefault(cell.name, cell)
         if known.fingerprint != cell.fingerprint:
             raise ConfigError(
                 f"two combinations would both be called '{', '.join((*cell.place, cell.method))}'; give scenario files "
                 "different names (key 'name'), and shape files different file names"
             )
-    return tuple(found.values())
+    return named_apart(found.values())
+
+
+def named_apart(cells_: Iterable[Cell]) -> tuple[Cell, ...]:
+    """Return cells whose variants have the objective in their name where several are compared."""
+    every = tuple(cells_)
+    several = len({cell.objective for cell in every}) > 1
+    return tuple(replace(cell, is_objective_named=several) for cell in every)
 
 
 def _choices(names: Sequence[str]) -> Sequence[str | None]:
@@ -139,7 +179,9 @@ def _cell(design: Design, source: str, shape: str | None, method: str | None, ob
     scenario = written_out(scenario, origin)
     text = dump_scenario(replace(scenario, seed=0))
     fingerprint = hashlib.sha256(text.encode()).hexdigest()[:FINGERPRINT_DIGITS]
-    return Cell(scenario, origin, bool(design.objectives), fingerprint)
+    if design.is_turned and scenario.stages:
+        raise ConfigError(f"--turns: {scenario.name} has several shapes, which one turn does not fit; leave it out")
+    return Cell(scenario, origin, False, fingerprint + (TURNED if design.is_turned else ""))
 
 
 def runs(cells_: Sequence[Cell], seeds: range) -> Iterator[Run]:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 
 from rich.table import Table
 from rich.text import Text
@@ -15,6 +14,7 @@ from batches.cells import Cell, Run, cells, runs
 from batches.cluster import Cluster
 from batches.comparison import Comparison
 from batches.comparison_figure import comparison_figure
+from batches.folder_cells import folder_cells, store_cells
 from batches.performing import Performed, perform
 from batches.runs_table import runs_parquet
 from batches.tables import NAMING, SHORT_HEADER, as_csv, as_markdown, short_rows
@@ -22,8 +22,8 @@ from bringup.installation import check_physics
 from bringup.interruption import Interruption
 from bringup.resolution import resolve
 from bringup.steady_stream import steady
-from studies.campaign import ResultFile, completed
-from studies.campaign_folder import open_results, read_results, write_files
+from studies.campaign import Record, ResultFile, completed
+from studies.campaign_folder import locked, open_results, read_results, write_files
 from studies.campaign_progress import console_on, follow
 from swarm_msgs_py.errors import ConfigError, PhysicsError, ShapeError, SwarmError
 
@@ -55,17 +55,23 @@ def _batch(arguments: Arguments, interruption: Interruption) -> int:
     with interruption.welcome():
         wanted = cells(arguments.design)
         every = list(runs(wanted, arguments.design.seeds))
+        counted = _counted(read_results(arguments.out), arguments)
+        folder_cells(arguments.out, wanted, counted)
         if arguments.simulates:
-            _check(every, read_results(arguments.out))
+            _check(every, counted)
     with ExitStack() as stack:
         cluster = None
         if arguments.simulates and arguments.scheduler is not None:
             with interruption.welcome():
                 cluster = stack.enter_context(Cluster(arguments.scheduler))
-        file = open_results(arguments.out)
+        if arguments.simulates:
+            open_results(arguments.out)
+            stack.enter_context(locked(arguments.out))
+        file = open_results(arguments.out)  # what another batch wrote until it let go of the lock is in it
         try:
             if arguments.simulates:
-                _simulate(arguments.workers, cluster, every, file, interruption)
+                store_cells(arguments.out, wanted)
+                _simulate(arguments, cluster, every, file, interruption)
         except KeyboardInterrupt:
             pass
         finally:  # also when a worker died: who looks into the folder finds tables of all that is there
@@ -74,21 +80,29 @@ def _batch(arguments: Arguments, interruption: Interruption) -> int:
     return INTERRUPTED if interruption.requested else DONE
 
 
-def _check(every: Sequence[Run], file: ResultFile) -> None:
+def _counted(file: ResultFile, arguments: Arguments) -> Mapping[str, Record]:
+    """Return the results that count: unless the operator wants it, those of other code do not."""
+    if arguments.keeps_outdated:
+        return file.records
+    outdated = file.outdated
+    return {key: record for key, record in file.records.items() if key not in outdated}
+
+
+def _check(every: Sequence[Run], counted: Mapping[str, Record]) -> None:
     """Refuse cells of which no run could be made, before anything is written; cells with results have been checked.
 
     Raises
     ------
     ConfigError
     """
-    known = {run.cell.key for run in every if run.key in file.records}
+    known = {run.cell.key for run in every if run.key in counted}
     for run in {run.cell.key: run for run in reversed(every)}.values():  # the first of each cell
         if run.cell.key not in known:
-            check_physics(resolve(replace(run.cell.scenario, seed=run.seed), run.cell.origin))
+            check_physics(resolve(run.scenario, run.cell.origin))
 
 
 def _simulate(
-    workers: int, cluster: Cluster | None, every: Sequence[Run], file: ResultFile, interruption: Interruption
+    arguments: Arguments, cluster: Cluster | None, every: Sequence[Run], file: ResultFile, interruption: Interruption
 ) -> None:
     """Run what is missing.
 
@@ -99,7 +113,8 @@ def _simulate(
     KeyboardInterrupt
         At an interruption.
     """
-    missing = [run for run in every if run.key not in file.records]
+    counted, workers = _counted(file, arguments), arguments.workers
+    missing = [run for run in every if run.key not in counted]
     if not missing:
         return
 
@@ -112,7 +127,9 @@ def _simulate(
             keep,
             done=len(every) - len(missing),
             total=len(every),
-            where=f"{workers} at a time" if cluster is None else f"{cluster.threads} at a time on the cluster",
+            where=f"{workers} at a time"
+            if cluster is None
+            else f"{cluster.threads or 'no worker yet'} at a time on the cluster",
             label=lambda run: f"{run.cell.place[1]}, {run.cell.variant}, seed {run.seed}",
             interruption=interruption,
         )
@@ -123,25 +140,40 @@ def _simulate(
 def _write(
     arguments: Arguments, wanted: Sequence[Cell], every: Sequence[Run], file: ResultFile
 ) -> tuple[Comparison, list[str]]:
-    """Write table, summary and figure of all that has results; return the comparison, and what to know of it.
+    """Write table, summary and figure of all that the folder has; return the comparison, and what to know of it.
+
+    A command with fewer cells or other seeds than an earlier one of the same folder takes nothing out of the tables.
 
     Raises
     ------
     SwarmError
         If the disk does not take them.
     """
-    comparison = Comparison(wanted, arguments.design.seeds, file.records)
-    left = sum(run.key not in file.records for run in every)
+    counted = _counted(file, arguments)
+    cells_, unknown = folder_cells(arguments.out, wanted, counted)
+    comparison = Comparison(cells_, counted)
+    left = sum(run.key not in counted for run in every)
+    old = len(file.records) - len(counted)
+    asked = {run.key for run in every}
+    others = sum(run.key not in asked for run in comparison.runs)
     unlike = comparison.unlike_starts()
     notes = [
         f"{len(every) - left} of {len(every)} runs are done; the same command goes on with the rest" if left else "",
-        file.warning(run.key for run in every),
+        f"{others} more runs are of earlier commands with this folder" if others else "",
+        f"{old} results of other code are left out; runs that are asked for again are made anew, or give "
+        "--keep-outdated"
+        if old
+        else "",
+        f"warning: results of {unknown} combinations are left out: nothing that this code can read says what they are"
+        if unknown
+        else "",
+        file.warning(run.key for run in comparison.runs),
         f"warning: {unlike} pairs of runs did not start alike; they count in no difference" if unlike else "",
     ]
     notes = [note for note in notes if note]
     if comparison.places:
         contents = {
-            RUNS: runs_parquet(every, file.records, file.versions),
+            RUNS: runs_parquet(comparison.runs, file.records, file.versions),
             SUMMARY: as_markdown(comparison, notes).encode(),
             CSV: as_csv(comparison).encode(),
             FIGURE: comparison_figure(comparison),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Iterator, Sequence
 from importlib import import_module
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from batches.cells import Run
@@ -14,6 +16,12 @@ from swarm_msgs_py.errors import ConfigError, SwarmError
 
 CONNECT_S = 10.0
 """How long a scheduler may take to answer."""
+
+GRACE_S = 60.0
+"""How long the cluster may be without any worker: at the beginning, and after its last one has gone."""
+
+POLL_S = 1.0
+"""How often the cluster is asked for its workers while no run finishes."""
 
 AHEAD = 4
 """Runs per thread of the cluster that are handed over before results come back; the rest waits here, so that the
@@ -70,7 +78,8 @@ class Cluster:
         Raises
         ------
         ClusterError
-            If the cluster has no workers or other code than this, lost its scheduler, or gave a run up.
+            If the cluster has had no worker for `GRACE_S`, has other code than this, lost its scheduler, or gave a
+            run up.
         """
         lost = (OSError, ImportError, self._distributed.KilledWorker, self._distributed.CancelledError)
         try:
@@ -82,18 +91,28 @@ class Cluster:
     def _completed(self, runs: Sequence[Run]) -> Iterator[tuple[Run, Performed]]:
         own, waiting = code_version(), list(reversed(runs))
         running: dict[Any, Run] = {}
-        finished = self._distributed.as_completed(loop=self._client.loop)
+        finished: SimpleQueue[Any] = SimpleQueue()
+        alive = time.monotonic()  # when the last worker was seen
         while waiting or running:
             threads = self.threads
-            if not threads:
-                raise ClusterError(f"cluster at {self._address}: no workers; start some (see --help)")
+            if threads:
+                alive = time.monotonic()
+            elif time.monotonic() - alive > GRACE_S:
+                raise ClusterError(
+                    f"cluster at {self._address}: no worker for {GRACE_S:g} s; start some (see --help) and run the "
+                    "same command again, what is done is kept"
+                )
             while waiting and len(running) < AHEAD * threads:
                 run = waiting.pop()
                 # Not pure: equal runs of an earlier batch, perhaps of other code, must not answer from memory.
                 future = self._client.submit(perform, run, pure=False)
                 running[future] = run
-                finished.add(future)
-            future = next(finished)
+                future.add_done_callback(finished.put)
+            # Not for ever: while there is no worker nothing finishes, and nobody says so.
+            try:
+                future = finished.get(timeout=POLL_S)
+            except Empty:
+                continue
             run, result = running.pop(future), future.result()
             if result.code != own:
                 raise ClusterError(f"a worker runs version {result.code} of the code, this is {own}; make them equal")

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from batches.cells import Cell, Run
+from batches.cells import Cell, Run, seeds_by_cell
 from batches.estimates import Estimate, estimate, paired_difference, share
-from batches.quantities import SHARE, Quantity, value_of
+from batches.quantities import QUANTITIES, SETTLING, SHARE, Quantity, value_of
 from studies.campaign import Record
 
 Place = tuple[str, str]
 """Scenario and shape."""
+
+SETTLED = next(quantity for quantity in QUANTITIES if quantity.name == SETTLING)
+"""What every run has that settled, and no other."""
 
 
 class Comparison:
@@ -19,17 +22,16 @@ class Comparison:
     Parameters
     ----------
     cells : sequence of Cell
-    seeds : range
     records : mapping
-        Results by key of run; those of other runs are left out, missing ones are missing.
+        Results by key of run; those of other cells are left out.
     """
 
-    def __init__(self, cells: Sequence[Cell], seeds: range, records: Mapping[str, Record]) -> None:
+    def __init__(self, cells: Sequence[Cell], records: Mapping[str, Record]) -> None:
         self.cells = tuple(cells)
         # By seed, not as they finished: sums of floats depend on their order.
+        seeds = seeds_by_cell(records)
         self._records: dict[str, dict[int, Record]] = {
-            cell.key: {seed: records[key] for seed in seeds if (key := Run(cell, seed).key) in records}
-            for cell in cells
+            cell.key: {seed: records[Run(cell, seed).key] for seed in seeds.get(cell.key, ())} for cell in cells
         }
 
     @property
@@ -42,6 +44,11 @@ class Comparison:
         """Names of what is compared, in the order of the cells."""
         return tuple(dict.fromkeys(cell.variant for cell in self.cells))
 
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """All runs that have results, by cell and then by seed."""
+        return tuple(Run(cell, seed) for cell in self.cells for seed in self._records[cell.key])
+
     def at(self, place: Place) -> tuple[Cell, ...]:
         """Return the cells of one place that have results."""
         return tuple(cell for cell in self.cells if cell.place == place and self.count(cell))
@@ -49,6 +56,10 @@ class Comparison:
     def count(self, cell: Cell) -> int:
         """Return how many runs of a cell there are."""
         return len(self._records[cell.key])
+
+    def settled(self, cell: Cell) -> str:
+        """Return how many runs of a cell settled, of how many."""
+        return f"{len(self.values(cell, SETTLED))}/{self.count(cell)}"
 
     def values(self, cell: Cell, quantity: Quantity) -> dict[int, float]:
         """Return one number of a cell by seed, of the runs that have it."""

@@ -14,13 +14,13 @@ from matplotlib.patches import Patch
 from batches.cells import Cell
 from batches.comparison import Comparison
 from batches.estimates import LEVEL
-from batches.quantities import QUANTITIES, SHARE, Quantity
+from batches.quantities import OF_SETTLED, QUANTITIES, SHARE, Quantity
 from bringup.figure import TYPE_COLORS
 
 WIDTH_IN, HEIGHT_IN, DPI = 13.0, 7.2, 150
 COLUMNS = 3
 GROUP_WIDTH = 0.8  # of the distance from shape to shape that the boxes of one shape take
-SMALL, MEDIUM, LARGE = 8, 9, 11  # font sizes
+TINY, SMALL, MEDIUM, LARGE = 6, 8, 9, 11  # font sizes
 WHISKERS = (2.5, 97.5)  # percentiles
 
 
@@ -58,8 +58,14 @@ def comparison_figure(comparison: Comparison) -> bytes | None:
 
 
 def _draw_boxes(axes: Axes, comparison: Comparison, quantity: Quantity) -> None:
-    axes.set_title(quantity.label, fontsize=MEDIUM)
+    is_of_settled = quantity.name in OF_SETTLED
+    axes.set_title(f"{quantity.label}; above: settled/runs" if is_of_settled else quantity.label, fontsize=MEDIUM)
+    if is_of_settled:
+        axes.margins(y=0.12)
     for cell, place, width in _columns(comparison):
+        if is_of_settled:
+            label, above = comparison.settled(cell), axes.get_xaxis_transform()  # in places across, in shares upwards
+            axes.text(place, 0.99, label, ha="center", va="top", fontsize=TINY, transform=above)
         values = np.array(list(comparison.values(cell, quantity).values()))
         if len(values):
             box = axes.boxplot(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -27,7 +27,9 @@ FIELDS: Mapping[str, str] = {
     "mesh_topological_interior": "topological_interior",
     "mesh_topological": "topological",
     "mesh_geometrical": "geometrical",
+    "mesh_geometrical_cells": "geometrical_cells",
     "cell_area_variation": "area_variation",
+    "gap_variation": "gap_variation",
     "covered_fraction": "covered_fraction",
 }
 """Attribute of `MeshQuality` by quantity."""
@@ -42,17 +44,24 @@ class Control:
     name : str
     qualities : tuple of MeshQuality
         Of its lattices or draws.
+    is_random : bool
+        Whether they are draws.
     """
 
     name: str
     qualities: tuple[MeshQuality, ...]
+    is_random: bool
 
     def estimate(self, quantity: Quantity) -> Estimate | None:
-        """Return the mean of one number; None for one that a mesh without robots does not have."""
+        """Return the mean of one number; None for one that a mesh without robots does not have.
+
+        Only what is drawn at random has an interval: the lattices are no sample of anything, but all that were laid.
+        """
         if quantity.name not in FIELDS:
             return None
         found = [getattr(quality, FIELDS[quantity.name]) for quality in self.qualities]
-        return estimate([value for value in found if value is not None], is_larger_worse=quantity.is_larger_worse)
+        mean = estimate([value for value in found if value is not None], is_larger_worse=quantity.is_larger_worse)
+        return mean if mean is None or self.is_random else replace(mean, deviation=None, low=None, high=None)
 
 
 def controls(cell: Cell) -> tuple[Control, ...]:
@@ -67,7 +76,7 @@ def _controls(contour_bytes: bytes, radii_bytes: bytes) -> tuple[Control, ...]:
     contour, radii = np.frombuffer(contour_bytes).reshape(-1, 2), np.frombuffer(radii_bytes)
 
     def control(name: str, point_sets: list[FloatArray]) -> Control:
-        return Control(name, tuple(mesh_quality(points, radii, contour) for points in point_sets))
+        return Control(name, tuple(mesh_quality(points, radii, contour) for points in point_sets), name == RANDOM)
 
     count = len(radii)
     drawn = [random_points(contour, count, rng_for(draw, "control", 0)) for draw in range(DRAWS)]

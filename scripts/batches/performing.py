@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from functools import cache
 
 from batches.cells import Run
@@ -51,7 +51,7 @@ def perform(run: Run) -> Performed:
     """Simulate one run. A start that cannot be made counts as not achieved: to leave it out would flatter."""
     began = time.perf_counter()
     try:
-        scenario = resolve(replace(run.cell.scenario, seed=run.seed), run.cell.origin)
+        scenario = resolve(run.scenario, run.cell.origin)
     except (ConfigError, ShapeError) as error:
         return Performed(_refused(run, str(error)), "", {}, _version())
     outcome = run_to_verdict(scenario)

@@ -31,20 +31,25 @@ class Quantity:
     is_drawn: bool = False
 
 
-SETTLING_RATIO = "settling_ratio"
+SETTLING_RATIO, SETTLING = "settling_ratio", "settling_time_s"
+OF_SETTLED = frozenset({SETTLING_RATIO, SETTLING})
+"""What only runs that settled have: who fails where it is hard looks fast, unless the share of these is beside it."""
 QUANTITIES = (
     Quantity("displacement_ratio", "displacement / bound", is_drawn=True),
     Quantity(SETTLING_RATIO, "settling / bottleneck", is_drawn=True),
     Quantity("mesh_topological_interior", "eps_t, interior", is_drawn=True),
     Quantity("mesh_topological", "eps_t, all", is_drawn=True),
     Quantity("mesh_geometrical", "eps_g", is_drawn=True),
+    Quantity("mesh_geometrical_cells", "eps_g of cells"),
     Quantity("cell_area_variation", "variation of cell areas"),
+    Quantity("gap_variation", "variation of gaps"),
     Quantity("covered_fraction", "covered fraction", is_larger_worse=False),
     Quantity("inside_fraction", "robots inside", is_larger_worse=False),
     Quantity("total_displacement_m", "total displacement [m]"),
-    Quantity("settling_time_s", "settling time [s]"),
+    Quantity(SETTLING, "settling time [s]"),
     Quantity("collisions", "collisions"),
     Quantity("min_clearance_m", "least clearance [m]", is_larger_worse=False),
+    Quantity("morph_latency_s", "lag behind a moving shape [s]"),
 )
 SHARE = Quantity(ACHIEVED, "achieved", is_larger_worse=False)
 """The share of the runs that were achieved; of all runs, also those that were refused."""

@@ -11,7 +11,7 @@ from batches.cells import Cell
 from batches.comparison import Comparison, Place
 from batches.controls import controls
 from batches.estimates import LEVEL, Estimate
-from batches.quantities import QUANTITIES, SHARE, Quantity
+from batches.quantities import OF_SETTLED, QUANTITIES, SHARE, Quantity
 
 ALL = (SHARE, *QUANTITIES)
 NOTHING = "-"
@@ -21,7 +21,21 @@ CSV_HEADER = (
 )
 HEADER = ("quantity", "method", "mean", "deviation", f"{LEVEL:.0%} interval", "worst", "runs", "difference", "pairs")
 NAMING = ("scenario", "shape", "method")
-SHORT_HEADER = (*NAMING, "runs", *(quantity.label for quantity in (SHARE, *QUANTITIES[:5])))
+SHORT = (SHARE, *QUANTITIES[:5])
+"""What fits a terminal."""
+SHORT_HEADER = (
+    *(*NAMING, "runs"),
+    *(f"{quantity.label} (settled/runs)" if quantity.name in OF_SETTLED else quantity.label for quantity in SHORT),
+)
+COVERED = (
+    "What the intervals cover: random starts only. `bubble-packing` and `voronoi` place the goals of a shape in "
+    "one way, whatever the seed, so that their mesh quantities differ from run to run only by where robots come "
+    "from and park; the intervals of these say how well the mesh of this one partition is known, not how good the "
+    "method is in another shape or orientation. `fractals` are drawn anew with each seed, forces end elsewhere "
+    "from each start. Runs made with `--turns` have the shape in an orientation drawn from the seed, and their "
+    "intervals cover orientations too. The lattice has no interval: its few orientations are no sample. Settling "
+    "is known of the runs that settled only; compare methods by it where they settle alike often."
+)
 
 
 def as_markdown(comparison: Comparison, notes: Sequence[str] = ()) -> str:
@@ -40,6 +54,7 @@ def as_markdown(comparison: Comparison, notes: Sequence[str] = ()) -> str:
         "settled has no settling time. *difference*: to the first method, run by run on equal starts, with Student's t "
         "interval of the paired differences. In parentheses: what the mesh of robots would be that stood on a "
         "hexagonal lattice cut out by the shape, and at random points of it.",
+        COVERED,
         *(f"**{note}**" for note in notes),
         *(_section(comparison, place) for place in comparison.places),
     ]
@@ -75,10 +90,15 @@ def short_rows(comparison: Comparison) -> list[list[str]]:
     rows = []
     for place in comparison.places:
         for cell in comparison.at(place):
-            found = [comparison.estimate(cell, quantity) for quantity in (SHARE, *QUANTITIES[:5])]
-            means = [f"{each.mean:.4g}" if each else NOTHING for each in found]
+            means = [_short(comparison, cell, quantity) for quantity in SHORT]
             rows.append([*place, cell.variant, str(comparison.count(cell)), *means])
     return rows
+
+
+def _short(comparison: Comparison, cell: Cell, quantity: Quantity) -> str:
+    found = comparison.estimate(cell, quantity)
+    mean = f"{found.mean:.4g}" if found else NOTHING
+    return f"{mean} ({comparison.settled(cell)})" if quantity.name in OF_SETTLED else mean
 
 
 def _section(comparison: Comparison, place: Place) -> str:

@@ -125,8 +125,8 @@ def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
     ]
     if metrics.stage_settling_s is not None:
         rows.append(("stages settled", ", ".join(_number(each, "s") for each in metrics.stage_settling_s)))
-    if metrics.morph_latency_s is not None:
-        outside, recovery = 100.0 * (metrics.morph_outside_fraction or 0.0), _number(metrics.morph_recovery_s, "s")
+    if metrics.morph_outside_fraction is not None:
+        outside, recovery = 100.0 * metrics.morph_outside_fraction, _number(metrics.morph_recovery_s, "s")
         lag = _number(metrics.morph_latency_s, "s")
         rows.append(("moving shape", f"lag {lag}, {outside:.1f} % outside, recovered after {recovery}"))
     return rows

@@ -70,9 +70,12 @@ class FormationMetrics:
     ``goals_reached`` counts robots inside the shape. After a change of the shape, bound, ratio and
     ``bottleneck_time_s`` are None, and ``settling_time_s`` is when the last shape stood.
 
+    ``goals_agreed`` says whether robots that found their goals by themselves found those of the mission computer; None
+    where the plan names the goals, or has none.
+
     The fourth group is of runs with several shapes, None in others: of shapes that move, the worst over all motions
-    (spec 14.6), ``morph_recovery_s`` None if the swarm never fitted the shape again; of stages, one number each: from
-    its order until all were at rest in it, and how far all robots drove for it.
+    (spec 14.6), up to where they were cut short, ``morph_recovery_s`` None if the swarm never fitted the shape again;
+    of stages, one number each: from its order until all were at rest in it, and how far all robots drove for it.
     """
 
     scenario: str
@@ -120,9 +123,12 @@ class FormationMetrics:
     cell_area_variation: float | None
     gap_variation: float | None
     covered_fraction: float | None
+    goals_agreed: bool | None
 
     morph_latency_s: float | None = None
     morph_outside_fraction: float | None = None
+    morph_outside_max: float | None = None
+    morph_uncovered_mean: float | None = None
     morph_recovery_s: float | None = None
     stage_settling_s: tuple[float | None, ...] | None = None
     stage_displacement_m: tuple[float, ...] | None = None
@@ -190,6 +196,7 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         cell_area_variation=quality.area_variation if quality else None,
         gap_variation=quality.gap_variation if quality else None,
         covered_fraction=quality.covered_fraction if quality else None,
+        goals_agreed=outcome.supervisor.goal_agreement.agreed,
     )
     return _of_several_shapes(metrics, scenario, outcome.supervisor, trace, live)
 
@@ -205,6 +212,8 @@ def _of_several_shapes(
             metrics,
             morph_latency_s=motion.latency_s,
             morph_outside_fraction=motion.outside,
+            morph_outside_max=motion.outside_max,
+            morph_uncovered_mean=motion.uncovered,
             morph_recovery_s=motion.recovery_s,
         )
     if not scenario.stages:

@@ -9,11 +9,13 @@ from typing import Any
 
 from bringup.engine import Actors, AgentActor
 from bringup.link import Link
+from bringup.process_state import computing_s
 from bringup.telemetry import (
     AgentFailed,
     AgentReports,
     Alive,
     Fallen,
+    Hosts,
     MissionTick,
     Ready,
     RunUntil,
@@ -23,7 +25,7 @@ from bringup.telemetry import (
 )
 from mission_computer.ros.mission_node import MissionNode
 from swarm_agent.ros.agent_node import AgentNode
-from swarm_msgs_py import topics
+from swarm_msgs_py import partition, topics
 from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.ros.log_bridge import bridge_logging
@@ -51,6 +53,7 @@ class Supervision:
         self._is_stopped = False
         self._limit = 0
         self._fallen: list[NodeId] = []
+        self._pids: Mapping[NodeId, int] = {}
 
     def is_over(self) -> bool:
         """Return whether the orchestrator has said stop, or is gone."""
@@ -62,6 +65,8 @@ class Supervision:
                 self._limit = record.tick
             elif isinstance(record, Fallen):
                 self._fallen += record.nodes
+            elif isinstance(record, Hosts):
+                self._pids = record.pids
         return self._is_stopped or not self._link.is_open
 
     def may_begin(self, tick: int) -> bool:
@@ -75,6 +80,11 @@ class Supervision:
         """Return, once, the nodes whose processes have died."""
         fallen, self._fallen = self._fallen, []
         return fallen
+
+    def computing_s(self, node: NodeId) -> float | None:
+        """Return the CPU time that a node's process has used so far [s] if it computes at this moment, else None."""
+        pid = self._pids.get(node)
+        return computing_s(pid) if pid is not None else None
 
     def report(self, result: TickResult) -> None:
         """Send the account of a tick."""
@@ -145,6 +155,7 @@ def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
 
 def run_mission(link: Link, actors: Actors) -> None:
     """Be the mission computer until told to stop."""
+    partition.forget()
     supervision = Supervision(link)
     with started() as executor:
 
@@ -221,6 +232,7 @@ def run_agents(
     is_lean : bool
         Whether the nodes go without parameter services and log topic.
     """
+    partition.forget()  # a forked process would have the goals before it has heard of a plan
     supervision, reporter = Supervision(link), Reporter(link, agents)
     with started() as executor:
         host = AgentHost(link, executor, reporter)

@@ -14,10 +14,11 @@ from bringup.domain_guard import DomainGuard, domain_of
 from bringup.engine import Actors, AgentActor, TickRecord
 from bringup.labels import node_list
 from bringup.patience import Patience
+from bringup.process_state import computing_s
 from bringup.processes import Child, Main, ProcessGroup
 from bringup.readiness import await_ready
 from bringup.ros_children import run_agents, run_mission, run_world
-from bringup.telemetry import AgentFailed, AgentReports, Fallen, MissionTick, RunUntil, WorldTick, reason_of
+from bringup.telemetry import AgentFailed, AgentReports, Fallen, Hosts, MissionTick, RunUntil, WorldTick, reason_of
 from bringup.tick_assembly import TickAssembly
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.ros.channels import preload
@@ -56,7 +57,8 @@ class RosEngine:
     real_time : bool
         Pace ticks by the wall clock and wait for nobody.
     deadline_s : float
-        In lockstep, wall time after which a node that has not answered is silent [s].
+        In lockstep, wall time after which a node that has not answered is silent [s]. Does not run while a node that
+        is waited for computes.
     world_deadline_s : float
         Wall time without a sign of life from the world's process after which the run ends [s]. A paused world gives
         signs of life.
@@ -154,8 +156,15 @@ class RosEngine:
             raise SwarmError(self._hang())
         # The world gives signs of life also while it waits for this process to go on, so they are no news here.
         reports = (AgentReports, MissionTick, WorldTick)
-        if self._for_reports.is_out(waited, has_news=any(isinstance(message, reports) for _, message in events)):
+        has_news = any(isinstance(message, reports) for _, message in events) or self._is_debtor_computing()
+        if self._for_reports.is_out(waited, has_news=has_news):
             self._assembly.give_up()
+
+    def _is_debtor_computing(self) -> bool:
+        """Return whether somebody who owes a report is busy with the next tick; it comes after that, at the latest."""
+        owing = self._assembly.owing
+        debtors = [child for child in self._group.children if child.status is None and owing.intersection(child.nodes)]
+        return any(computing_s(child.pid) is not None for child in debtors)
 
     def _hang(self) -> str:
         process = f"world (process {self._world.pid})" if self._world is not None else "world"
@@ -181,6 +190,7 @@ class RosEngine:
             self._group.start(node_list(robots), robots, self._host({robot: agents[robot] for robot in robots}))
         await_ready(self._group, READY_DEADLINE_S)
         self._folder.cleanup()  # all have read the profile; so none is left after a kill
+        self._world.link.send(Hosts({node: child.pid for child in self._group.children for node in child.nodes}))
         self._world.link.send(RunUntil(TICKS_AHEAD))
 
     def _take(self, child: Child, message: object) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -117,6 +118,7 @@ def _watch(  # noqa: PLR0913, PLR0917 - all that looks at a tick
     for record in engine.ticks():
         recorder.record(record.truth, record.reports)
         verdict = supervisor.watch(record)
+        record = replace(record, alerts=(*record.alerts, *supervisor.goal_agreement.alerts))  # noqa: PLW2901
         progress.show(record, record.truth.time + scenario.sim.period_s, supervisor.at_goal)
         if verdict is not None:
             return verdict

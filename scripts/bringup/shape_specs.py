@@ -70,7 +70,8 @@ class StageSpec(Config):
     )
     at_s: float | None = setting(
         None,
-        "when it is ordered, or as soon after as the stages before it have been; motions begin mission.lead_s later",
+        "when it is ordered, or as soon after as the motion before it is over; motions begin mission.lead_s later. A"
+        " stage that is so late that a new shape (over_s 0) is due after it is passed over",
         unit="s",
         minimum=0.0,
     )

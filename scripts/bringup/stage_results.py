@@ -18,6 +18,7 @@ from swarm_sim.metrics.settling import settling
 from swarm_sim.metrics.trace import Trace
 
 MOMENT = 1e-9  # [s]; times are sums of fractions of a tick
+TELLING = 0.5  # share of the time of a motion from which on it shows how far the swarm lags
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +27,21 @@ class MotionResults:
 
     Attributes
     ----------
-    latency_s : float
-        Lag behind the shape (spec 14.6) [s].
-    outside : float
-        Mean share of the robots outside the shape while it moves.
+    latency_s : float or None
+        Lag behind the shape (spec 14.6) [s]; None if all motions were cut short before half of their time.
+    outside, outside_max : float
+        Mean and largest share of the robots outside the shape while it moves.
+    uncovered : float
+        Mean share of the shape's area that is far from every robot while it moves.
     recovery_s : float or None
-        From the end of a motion until the swarm fits the shape [s]; None if after some motion it never did.
+        From the end of a motion until the swarm fits the shape [s]; None if after some motion it never did, or if none
+        came to its end.
     """
 
-    latency_s: float
+    latency_s: float | None
     outside: float
+    outside_max: float
+    uncovered: float
     recovery_s: float | None
 
 
@@ -56,7 +62,10 @@ class StageResults:
 
 
 def motion_results(trace: Trace, course: Course, period_s: float, live: BoolArray) -> MotionResults | None:
-    """Evaluate all motions that came to their end in a run; None if there are none.
+    """Evaluate all motions of a run; None if there are none.
+
+    One that another plan or the end of the run cuts short counts up to there, but for its recovery. Its lag counts if
+    half of its time was over: before that, the shape may have moved too little to tell one lag from another.
 
     Parameters
     ----------
@@ -71,31 +80,44 @@ def motion_results(trace: Trace, course: Course, period_s: float, live: BoolArra
     found = list(_motions(trace, course, period_s, live)) if live.any() else []
     if not found:
         return None
-    recoveries = [metrics.recovery_s for metrics in found if metrics.recovery_s is not None]
+    ended = [metrics.recovery_s for metrics, share in found if share >= 1.0]
+    recoveries = [recovery for recovery in ended if recovery is not None]
+    motions = [metrics for metrics, _ in found]
     return MotionResults(
-        max(metrics.latency_s for metrics in found),
-        max(metrics.outside_mean for metrics in found),
-        max(recoveries) if len(recoveries) == len(found) else None,
+        latency_s=max((metrics.latency_s for metrics, share in found if share >= TELLING), default=None),
+        outside=max(metrics.outside_mean for metrics in motions),
+        outside_max=max(metrics.outside_max for metrics in motions),
+        uncovered=max(metrics.uncovered_mean for metrics in motions),
+        recovery_s=max(recoveries) if recoveries and len(recoveries) == len(ended) else None,
     )
 
 
-def _motions(trace: Trace, course: Course, period_s: float, live: BoolArray) -> Iterator[MorphMetrics]:
+def _motions(trace: Trace, course: Course, period_s: float, live: BoolArray) -> Iterator[tuple[MorphMetrics, float]]:
+    """Yield what each motion was like, and what share of its time it went on, 1 for one that came to its end."""
+
     def contour_of(time: float) -> FloatArray:
         tick = time / period_s
         return contour_at(course.at(tick), tick)
 
     plans, times = course.plans, trace.sample_times
     for number, (_, plan) in enumerate(plans):
-        motion = plan.motion
-        until = plans[number + 1][0] * period_s if number + 1 < len(plans) else np.inf
-        in_time = times <= until + MOMENT
-        if motion is None or not in_time.any() or motion.ends * period_s > times[in_time][-1]:
+        if plan.motion is None:
             continue
-        since = times >= motion.begins * period_s - MOMENT
-        rows = np.flatnonzero(in_time & since)
-        yield morph_metrics(
-            times[rows], trace.positions[rows][:, live], contour_of, motion.begins * period_s, motion.ends * period_s
+        begins_s, ends_s = plan.motion.begins * period_s, plan.motion.ends * period_s
+        until = plans[number + 1][0] * period_s if number + 1 < len(plans) else np.inf
+        last = int(np.searchsorted(times, until + MOMENT, side="right"))
+        first = max(int(np.searchsorted(times, begins_s + MOMENT, side="right")) - 1, 0)  # at its beginning, or before
+        if last - first < 2 or times[last - 1] <= begins_s + MOMENT:
+            continue
+        rows, cut_s = slice(first, last), float(times[last - 1])
+        evaluated = morph_metrics(
+            times[rows],
+            trace.positions[rows][:, live],
+            contour_of,
+            max(begins_s, float(times[first])),
+            min(ends_s, cut_s),
         )
+        yield evaluated, 1.0 if ends_s <= cut_s + MOMENT else (cut_s - begins_s) / (ends_s - begins_s)
 
 
 def stage_results(
@@ -116,10 +138,12 @@ def stage_results(
         What counts as at rest.
     """
     ticks = pairwise([*ordered, len(trace.tick_times)])
-    return tuple(_stage(trace, course, window, period_s, success) for window in ticks if window[0] < window[1])
+    return tuple(_stage(trace, course, window, period_s, success) for window in ticks)
 
 
 def _stage(trace: Trace, course: Course, ticks: tuple[int, int], period_s: float, success: SuccessSpec) -> StageResults:
+    if ticks[0] == ticks[1]:
+        return StageResults(None, 0.0)  # passed over
     begin_s, end_s = ticks[0] * period_s, ticks[1] * period_s
     rows = np.flatnonzero((trace.sample_times >= begin_s - MOMENT) & (trace.sample_times <= end_s + MOMENT))
     times, live = trace.sample_times[rows], trace.alive[ticks[1] - 1]

@@ -18,6 +18,8 @@ from swarm_msgs_py.geometry.contour import area_centroid
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray
 
+MOMENT = 1e-9  # [s]; sums of times need not be exact
+
 
 class Staging:
     """Makes the contour of one stage after the other.
@@ -93,22 +95,31 @@ def stage_of(spec: StageSpec, contour: FloatArray) -> Stage:
 
 
 def check_time(scenario: Scenario, number: int) -> None:
-    """Refuse a stage that would be ordered after the end, or before the one before it.
+    """Refuse a stage that cannot be formed before the end, or is to be ordered before the one before it.
 
     Raises
     ------
     ConfigError
     """
     at_s = scenario.stages[number].at_s
-    if at_s is None:
-        return
-    if at_s >= scenario.duration_s:
-        raise ConfigError(
-            f"at_s: {at_s:g} s is not before the time limit of {scenario.duration_s:g} s; lower it, or raise duration_s"
-        )
     before = [stage.at_s for stage in scenario.stages[:number] if stage.at_s is not None]
-    if before and at_s < max(before):
+    if at_s is not None and before and at_s < max(before):
         raise ConfigError(f"at_s: {at_s:g} s is before a stage before it ({max(before):g} s); put them in order")
+    soonest = _earliest_end_s(scenario, number) + scenario.success.hold_s
+    if soonest > scenario.duration_s + MOMENT:
+        raise ConfigError(
+            f"it cannot have been formed for success.hold_s before {soonest:g} s, and the time limit is"
+            f" {scenario.duration_s:g} s; order it sooner, shorten over_s, or raise duration_s"
+        )
+
+
+def _earliest_end_s(scenario: Scenario, number: int) -> float:
+    """Return when the shape of a stage is there at the earliest, however fast the robots are [s]."""
+    end_s = 0.0
+    for stage in scenario.stages[: number + 1]:
+        ordered_s = end_s + stage.rest_s if stage.at_s is None else max(end_s, stage.at_s)
+        end_s = ordered_s + (scenario.mission.lead_s + stage.over_s if stage.over_s else 0.0)
+    return end_s
 
 
 def stage_plan(scenario: Scenario, maker: PlanMaker, stage: Stage, present: Plan) -> Plan:

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from bringup.engine import TickRecord
+from bringup.goal_agreement import GoalAgreement
 from bringup.labels import first_few
 from bringup.scenario import SuccessSpec
 from swarm_msgs_py.messages.bodies import Plan
@@ -55,7 +56,7 @@ class Supervisor:
     course : Course
         All plans, which tell where the shape was when.
     stages : list of int
-        Tick in which each stage was ordered, the first shape included.
+        Tick in which each stage was ordered, the first shape included; of one that was passed over, when the next was.
     goals : dict of NodeId to int
         Goal that each robot last reported, -1 for none.
     at_goal : int
@@ -63,6 +64,8 @@ class Supervisor:
         the shape.
     has_changed_shape : bool
         Whether a plan was replaced by one for another contour; new goals in the same contour, after losses, are none.
+    goal_agreement : GoalAgreement
+        Whether robots that find their goals by themselves found the same.
     """
 
     def __init__(self, robots: tuple[NodeId, ...], success: SuccessSpec, period_s: float, duration_s: float) -> None:
@@ -74,6 +77,7 @@ class Supervisor:
         self._drawn: FloatArray | None = None  # the points of it
         self._mission: MissionReport | None = None  # the last one
         self._settled_since: float | None = None
+        self._tick = 0  # that was watched last
         self._reports: dict[NodeId, AgentReport] = {}
         self._distances: dict[NodeId, float] = {}
         self._lost: frozenset[NodeId] = frozenset()
@@ -83,10 +87,12 @@ class Supervisor:
         self.goals: dict[NodeId, int] = {}
         self.at_goal = 0
         self.has_changed_shape = False
+        self.goal_agreement = GoalAgreement()
 
     def watch(self, record: TickRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
         self._take(record)
+        self.goal_agreement.take(record)
         rows = np.array([row for row, robot in enumerate(self._robots) if robot not in self._lost], dtype=np.int64)
         end = record.truth.time + self._period
         if not len(rows):
@@ -142,7 +148,7 @@ class Supervisor:
 
     def _take(self, record: TickRecord) -> None:
         dead = {robot for robot, alive in zip(self._robots, record.truth.alive, strict=True) if not alive}
-        self._lost = record.lost | dead
+        self._lost, self._tick = record.lost | dead, record.tick
         for robot, report in record.reports.items():
             self.goals[robot], self._reports[robot] = report.goal, report
         if record.mission is not None:
@@ -154,8 +160,9 @@ class Supervisor:
             self.plan = record.plan
             self.course.put(record.tick, record.plan)
             self._settled_since = None
-        if self.plan is not None and len(self.stages) <= (self._mission.stage if self._mission is not None else 0):
-            self.stages.append(record.tick)
+        if self.plan is not None:
+            ordered = 1 + (self._mission.stage if self._mission is not None else 0)
+            self.stages += [record.tick] * (ordered - len(self.stages))
         self._draw_shape(record.tick + 1)
 
     def _draw_shape(self, tick: int) -> None:
@@ -251,6 +258,9 @@ class Supervisor:
         if deaf:
             why = "the mission computer is off" if MISSION in self._lost else "out of radio range, or frames lost"
             return f"; {deaf} never heard the plan ({why})"
+        motion = self.plan.motion
+        if motion is not None and self._tick < motion.ends:
+            return f"; the shape was still moving{self._missing_stages()}"
         return self._missing_stages() or self._strays()
 
     def _strays(self) -> str:

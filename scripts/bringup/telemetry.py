@@ -89,6 +89,13 @@ class MissionTick:
 
 
 @dataclass(frozen=True, slots=True)
+class Hosts:
+    """To the world, before the first tick: in which process each node is."""
+
+    pids: Mapping[NodeId, int]
+
+
+@dataclass(frozen=True, slots=True)
 class RunUntil:
     """To the world: ticks below `tick` may begin. Keeps it from running away from a slow reader of the records."""
 

@@ -46,8 +46,7 @@ class TickAssembly:
 
         Who reports comes after who answers, so a process that stalls in between owes reports that may never come.
         """
-        world = self._worlds.get(self._next)
-        missing = self._missing(world) if world is not None else frozenset()
+        missing = self.owing
         if missing:
             self._forgiven = (self._next, missing)
             self.alert(f"{node_list(sorted(missing))} answered tick {self._next} but did not report; recorded without")
@@ -59,6 +58,12 @@ class TickAssembly:
     def alert(self, line: str) -> None:
         """Put a line into the next record."""
         self._alerts.append(line)
+
+    @property
+    def owing(self) -> frozenset[NodeId]:
+        """Who answered the next tick, which the world has run, and has not reported it yet."""
+        world = self._worlds.get(self._next)
+        return self._missing(world) if world is not None else frozenset()
 
     def take_ready(self) -> Iterator[TickRecord]:
         """Yield the records that are complete."""

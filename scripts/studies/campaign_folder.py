@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from studies.campaign import ResultFile
@@ -39,6 +41,30 @@ def open_results(out: Path) -> ResultFile:
     except OSError as error:
         raise ConfigError(f"--out {out}: cannot be written ({error.strerror}); give another folder") from None
     return read_results(out)
+
+
+@contextmanager
+def locked(out: Path) -> Iterator[None]:
+    """Keep other campaigns from writing to a folder's file of results; however this process ends, the lock ends too.
+
+    Raises
+    ------
+    ConfigError
+        If another process holds the lock, or the file cannot be opened.
+    """
+    path = out / RESULTS
+    try:
+        file = path.open("a", encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written ({error.strerror}); give another --out") from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise ConfigError(
+                f"--out {out}: another process is writing results there; wait for it, or give another folder"
+            ) from None
+        yield
 
 
 def write_files(out: Path, contents: Mapping[str, bytes | None]) -> None:

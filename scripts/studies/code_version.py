@@ -12,6 +12,14 @@ KINDS = frozenset({".py", ".yaml", ".yml", ".json"})
 """Suffixes of source, scenarios, shapes and maps."""
 GENERATED = frozenset({"scenario.schema.json"})
 """Made from the source; no run reads them."""
+REPORTING = frozenset(
+    f"scripts/batches/{name}.py"
+    for name in (
+        *("arguments", "cli", "cluster", "comparison", "comparison_figure", "controls", "estimates", "folder_cells"),
+        *("quantities", "runs_table", "tables"),
+    )
+)
+"""Source that hands out runs and tells of them, without which each run would be the same."""
 DIGITS = 12
 
 
@@ -28,7 +36,8 @@ def code_version(root: Path = ROOT, folders: Sequence[str] = FOLDERS) -> str:
     digest = hashlib.sha256()
     for folder in folders:
         for path in sorted((root / folder).rglob("*")):
-            if path.suffix in KINDS and path.name not in GENERATED and path.is_file():
-                digest.update(f"{path.relative_to(root)}\0".encode())
+            name = path.relative_to(root).as_posix()
+            if path.suffix in KINDS and path.name not in GENERATED and name not in REPORTING and path.is_file():
+                digest.update(f"{name}\0".encode())
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:DIGITS]

@@ -21,8 +21,8 @@ def make_plan(epoch: int = 1) -> Plan:
     return Plan(epoch, square, (), np.array([[1.0, 1.0], [3.0, 3.0]]), np.array([1, 1]))
 
 
-def make_row(robot: int, version: int, epoch: int = 1, length: int = GOALS) -> CostRow:
-    return CostRow(epoch, NodeId(robot), 1, version, np.full(length, 100 * robot + version))
+def make_row(robot: int, version: int, epoch: int = 1, length: int = GOALS, life: int = 0) -> CostRow:
+    return CostRow(epoch, NodeId(robot), 1, version, np.full(length, 20 * robot + version + 20_000 * life))
 
 
 def make_book(*rows: CostRow) -> RowBook:
@@ -34,6 +34,25 @@ def make_book(*rows: CostRow) -> RowBook:
 
 
 row_lists = st.lists(st.builds(make_row, robot=st.integers(0, 5), version=st.integers(1, 4)), max_size=12)
+lives = st.builds(make_row, robot=st.integers(0, 3), version=st.integers(1, 3), life=st.integers(0, 1))
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(rows=st.lists(lives, max_size=12), random=st.randoms(use_true_random=False))
+def test_of_two_rows_under_one_number_all_keep_the_same(rows: list[CostRow], random: object) -> None:
+    shuffled = list(rows)
+    random.shuffle(shuffled)  # type: ignore[attr-defined]
+
+    one, other = make_book(*rows), make_book(*shuffled)
+
+    assert [row.costs.tolist() for row in one.all_rows()] == [row.costs.tolist() for row in other.all_rows()]
+    assert one.digest == other.digest
+
+
+def test_books_whose_rows_say_something_else_under_the_same_numbers_have_other_digests() -> None:
+    rows = [make_row(0, 1), make_row(0, 1, life=1), replace(make_row(0, 1), weight=WEIGHT_ONE + 1)]
+
+    assert len({make_book(row).digest for row in rows}) == 3
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

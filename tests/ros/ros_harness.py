@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import MappingProxyType
 from typing import Any
 
 from rclpy.executors import Executor
@@ -72,10 +74,16 @@ def harness(*arguments: str) -> Iterator[RosHarness]:
 
 
 class Overseer:
-    """Lets the world run for some ticks, in which some nodes are dead from the start."""
+    """Lets the world run for some ticks, in which some nodes are dead from the start.
 
-    def __init__(self, ticks: int, dead: tuple[NodeId, ...] = ()) -> None:
-        self._ticks, self._dead = ticks, dead
+    `computing` maps nodes that are known to compute to the CPU time that they use per look at them [s].
+    """
+
+    def __init__(
+        self, ticks: int, dead: tuple[NodeId, ...] = (), computing: Mapping[NodeId, float] = MappingProxyType({})
+    ) -> None:
+        self._ticks, self._dead, self._computing = ticks, dead, computing
+        self.looks: Counter[NodeId] = Counter()
         self.results: list[TickResult] = []
 
     def is_over(self) -> bool:
@@ -86,6 +94,10 @@ class Overseer:
 
     def fallen(self) -> tuple[NodeId, ...]:
         return self._dead
+
+    def computing_s(self, node: NodeId) -> float | None:
+        self.looks[node] += 1
+        return self.looks[node] * self._computing[node] if node in self._computing else None
 
     def report(self, result: TickResult) -> None:
         self.results.append(result)

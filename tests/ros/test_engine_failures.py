@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 from swarms import SmallSwarm
 
 from bringup.compose import ScenarioActors
+from bringup.inprocess import InProcessEngine
 from bringup.resolution import resolve
 from bringup.ros_children import run_agents
 from bringup.ros_engine import RosEngine
@@ -85,6 +86,28 @@ def test_a_robot_whose_step_raises_is_taken_out_and_its_process_goes_on() -> Non
     assert records[-1].lost == {NodeId(0), NodeId(3)}
     assert records[-1].reports.keys() == {NodeId(1), NodeId(2)}
     assert records[-1].truth.alive.tolist() == [False, True, True, False]
+
+
+def compute() -> None:
+    """Keep a core busy for longer than anybody's patience, however many others want it."""
+    end = time.process_time() + 3.0
+    while time.process_time() < end:
+        pass
+
+
+def test_a_step_that_takes_long_changes_nothing_in_simulated_time() -> None:
+    deaths = ((NodeId(1), STALL_TICK - 2),)  # so r03, in the same process, reports with its next step
+    faults = {3: (STALL_TICK, compute)}
+    with RosEngine(SwarmWithFaults(4, deaths, faults=faults), agents_per_process=2, deadline_s=1.0) as engine:
+        records = list(islice(engine.ticks(), STALL_TICK + 4))
+    with InProcessEngine(SmallSwarm(4, deaths)) as reference:
+        expected = list(islice(reference.ticks(), STALL_TICK + 4))
+
+    for record, wanted in zip(records, expected, strict=True):
+        assert record.truth.samples.tobytes() == wanted.truth.samples.tobytes()
+        assert list(record.reports) == list(wanted.reports)
+        assert (record.alerts, record.lost, record.mission) == (wanted.alerts, wanted.lost, wanted.mission)
+    assert records[-1].lost == {NodeId(1)}
 
 
 def hang() -> None:

@@ -25,6 +25,8 @@ from swarm_sim.ros.lockstep import Lockstep, PaceConfig
 from swarm_sim.ros.world_node import WorldNode
 
 COUNT = 3
+BRIEF = PaceConfig(deadline_s=0.5, first_deadline_s=0.5)
+ENOUGH_LOOKS = 6  # of SLICE_S each, so more than the deadline
 OPEN_TO_ALL = {"/clock", "/rosout", "/parameter_events"}
 
 
@@ -180,6 +182,62 @@ def test_a_robot_that_is_heard_again_is_waited_for_again(swarm: LiveSwarm) -> No
         ("r01 answers again",),
         ("r01 did not answer tick 3 in time; not waited for",),
     ]
+
+
+def test_a_robot_that_computes_beyond_the_deadline_is_waited_for(swarm: LiveSwarm) -> None:
+    slow = NodeId(1)
+    aside = EventsExecutor(context=swarm.ros.context)
+    swarm.ros.executor.remove_node(swarm.agents[slow])
+    aside.add_node(swarm.agents[slow])
+
+    class Watching(Overseer):
+        def computing_s(self, node: NodeId) -> float | None:
+            used_s = super().computing_s(node)
+            if self.looks[slow] >= ENOUGH_LOOKS:  # the deadline has long passed: now it gets done
+                spin_for(aside, 0.05)
+            return used_s
+
+    overseer = Watching(3, computing={slow: 5.0})
+    Lockstep(swarm.world, swarm.ros.executor, BRIEF, overseer).run()
+    aside.remove_node(swarm.agents[slow])
+
+    assert overseer.looks[slow] >= ENOUGH_LOOKS
+    assert [result.alerts for result in overseer.results] == [()] * 3
+    assert all(slow in result.answered for result in overseer.results)
+
+
+def test_a_robot_that_computes_without_end_is_given_up(swarm: LiveSwarm) -> None:
+    swarm.run(2)
+    looping = NodeId(1)
+    swarm.ros.executor.remove_node(swarm.agents[looping])
+    overseer = Overseer(2, computing={looping: 30.0})
+
+    Lockstep(swarm.world, swarm.ros.executor, BRIEF, overseer).run()
+
+    assert [result.alerts for result in overseer.results] == [
+        ("r01 did not answer tick 2 in time; not waited for",),
+        (),
+    ]
+    assert overseer.looks[looping] > BRIEF.computing_limit_s / 30.0
+
+
+def test_the_world_does_not_race_on_when_the_whole_swarm_is_silent(swarm: LiveSwarm) -> None:
+    swarm.run(2)
+    for agent in swarm.agents.values():
+        swarm.ros.executor.remove_node(agent)
+    swarm.run(1, BRIEF)
+    lockstep = Lockstep(swarm.world, swarm.ros.executor, BRIEF, overseer := Overseer(3))
+
+    began = time.monotonic()
+    lockstep.run()
+
+    assert time.monotonic() - began >= 3 * PERIOD
+    assert [result.alerts for result in overseer.results] == [
+        (f"the whole swarm is silent; until somebody answers, ticks take {PERIOD} s of wall time",),
+        (),
+        (),
+    ]
+    assert all(result.answered == {MISSION} for result in overseer.results)
 
 
 def test_a_dead_robot_is_not_waited_for_at_all(swarm: LiveSwarm) -> None:

@@ -4,46 +4,26 @@ from __future__ import annotations
 
 import csv
 import json
-import os
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from pyarrow import parquet
-from source_tree import ROOT
+from small_batch import DEADLINE_S, METHODS, SCRIPT, SMALL, batch, entries, metrics_of
 
-from batches import cli, cluster
+from batches import cli
 from batches.cells import Run
 from batches.cli import CSV, FIGURE, RUNS, SUMMARY, main
+from batches.folder_cells import CELLS
 from batches.performing import Performed, perform
-from bringup.scenario_file import SCENARIOS
+from bringup.scenario_file import SCENARIOS, load_scenario
 from studies.campaign import WorkerDiedError
-from studies.campaign_folder import RESULTS
-from studies.code_version import code_version
-
-SCRIPT = ROOT / "scripts" / "monte_carlo.py"
-METHODS = ["--method", "bubble-packing", "fractals"]
-SMALL = ["--scenario", "smoke-4", *METHODS]
-DEADLINE_S = 120.0
-
-
-def batch(out: Path, *options: str) -> int:
-    return main([*SMALL, *options, "--out", str(out)])
-
-
-def entries(out: Path) -> list[dict[str, object]]:
-    return [json.loads(line) for line in (out / RESULTS).read_text().splitlines()]
-
-
-def metrics_of(out: Path) -> dict[str, bytes]:
-    """Return the metrics of each run as bytes, without what a clock says."""
-    found = {str(entry["run"]): json.dumps(entry["result"]["metrics"]).encode() for entry in entries(out)}  # type: ignore[index]
-    assert len(found) == len(entries(out))  # no run was made twice
-    return found
+from studies.campaign_folder import RESULTS, locked
 
 
 @pytest.fixture(scope="module")
@@ -109,9 +89,82 @@ def test_results_of_other_code_are_told_apart(alone: Path, tmp_path: Path) -> No
     (tmp_path / RESULTS).write_text("".join(lines))
 
     assert batch(tmp_path, "--seeds", "2", "--tables-only") == 0
+    assert "1 results of other code are left out" in (tmp_path / SUMMARY).read_text()
+    assert "older" not in parquet.read_table(tmp_path / RUNS)["code_version"].to_pylist()
+
+    assert batch(tmp_path, "--seeds", "2", "--tables-only", "--keep-outdated") == 0
     assert "**warning: 1 of the results" in (tmp_path / SUMMARY).read_text()
     versions = parquet.read_table(tmp_path / RUNS)["code_version"].to_pylist()
     assert sorted(version == "older" for version in versions) == [False, False, False, True]
+
+
+def test_results_of_other_code_are_made_anew(alone: Path, tmp_path: Path) -> None:
+    first, *rest = entries(alone)
+    lines = [json.dumps(entry) + "\n" for entry in ({**first, "code": "older"}, *rest)]
+    (tmp_path / RESULTS).write_text("".join(lines))
+
+    assert batch(tmp_path, "--seeds", "2", "--workers", "1") == 0
+    assert len(entries(tmp_path)) == 5
+    assert entries(tmp_path)[-1]["run"] == first["run"]
+    for name in (SUMMARY, CSV, FIGURE):
+        assert (tmp_path / name).read_bytes() == (alone / name).read_bytes()
+
+
+def test_a_command_that_asks_for_less_takes_nothing_out_of_the_tables(alone: Path, tmp_path: Path) -> None:
+    shutil.copytree(alone, tmp_path / "copy")
+    words = ["--scenario", "smoke-4", "--method", "fractals", "--seeds", "2:2", "--tables-only"]
+    assert main([*words, "--out", str(tmp_path / "copy")]) == 0
+
+    table = parquet.read_table(tmp_path / "copy" / RUNS)
+    assert sorted(zip(table["method"].to_pylist(), table["seed"].to_pylist(), strict=True)) == [
+        (method, seed) for method in METHODS[1:] for seed in (1, 2)
+    ]
+    assert "3 more runs are of earlier commands" in (tmp_path / "copy" / SUMMARY).read_text()
+
+
+def test_runs_of_one_name_but_other_settings_do_not_get_into_one_folder(
+    alone: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (alone / RESULTS).read_bytes()
+
+    assert batch(alone, "--seeds", "2", "--set", "success.hold_s=4") == 2
+    captured = capsys.readouterr()
+    assert "has results of 'smoke-4, hw_2_square, bubble-packing, total' with other settings" in captured.err
+    assert captured.err.count("\n") == 1
+    assert (alone / RESULTS).read_bytes() == before
+
+
+def test_the_cells_of_a_folder_are_scenarios_that_can_be_run_again(alone: Path) -> None:
+    paths = sorted((alone / CELLS).glob("*.yaml"))
+
+    assert sorted(load_scenario(str(path))[0].method for path in paths) == METHODS[1:]
+
+
+def test_a_second_batch_in_the_same_folder_is_refused(
+    alone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / RESULTS).write_text((alone / RESULTS).read_text())
+    with locked(tmp_path):
+        assert batch(tmp_path, "--seeds", "3") == 2
+        captured = capsys.readouterr()
+        assert "another process is writing results there" in captured.err
+        assert captured.err.count("\n") == 1
+        assert batch(tmp_path, "--seeds", "2", "--tables-only") == 0  # who only reads may look meanwhile
+
+    assert len(entries(tmp_path)) == 4
+
+
+def test_turned_shapes_are_formed_in_another_orientation_for_every_seed(tmp_path: Path) -> None:
+    options = [*SMALL, "--seeds", "2", "--workers", "1", "--turns", "--out", str(tmp_path)]
+    assert main(options) == 0
+
+    table = parquet.read_table(tmp_path / RUNS)
+    bounds = table["displacement_lower_bound_m"].to_pylist()
+    assert len(set(bounds)) == 4
+    assert all("-turned, seed" in run for run in table["run"].to_pylist())
+    before = (tmp_path / CSV).read_bytes()
+    assert main([*options, "--tables-only"]) == 0
+    assert (tmp_path / CSV).read_bytes() == before
 
 
 @contextmanager
@@ -213,55 +266,3 @@ def test_the_ideal_fifty_can_be_run_with_fewer(tmp_path: Path) -> None:
     assert table["scenario"].to_pylist() == ["formation-50-ideal"]
     assert table["achieved"].to_pylist() == [True]
     assert table["localization_max_m"].to_pylist()[0] < 1e-3
-
-
-@pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a Dask scheduler with two worker processes."""
-    place = ("--host", "127.0.0.1", "--no-dashboard")
-    own = ("--no-nanny", "--nthreads", "1", "--local-directory", str(tmp_path_factory.mktemp("dask")))
-    with ExitStack() as stack:
-        address = told(stack.enter_context(dask("dask_scheduler", *place, "--port", "0")), "Scheduler at:")
-        workers = [stack.enter_context(dask("dask_worker", address, *place, *own)) for _ in range(2)]
-        for worker in workers:
-            told(worker, "Registered to:")
-        yield address
-
-
-def test_a_cluster_makes_the_same_numbers(alone: Path, scheduler: str, tmp_path: Path) -> None:
-    assert batch(tmp_path, "--seeds", "2", "--scheduler", scheduler) == 0
-
-    assert metrics_of(tmp_path) == metrics_of(alone)
-    for name in (SUMMARY, CSV, FIGURE):
-        assert (tmp_path / name).read_bytes() == (alone / name).read_bytes()
-
-
-def test_a_cluster_of_other_code_is_not_listened_to(
-    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(cluster, "code_version", lambda: "newer")
-
-    assert batch(tmp_path, "--seeds", "1", "--scheduler", scheduler) == 1
-    assert f"a worker runs version {code_version()} of the code, this is newer" in capsys.readouterr().err
-    assert not (tmp_path / RESULTS).exists()
-
-
-@contextmanager
-def dask(module: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a part of a Dask cluster that can import this project."""
-    path = os.pathsep.join([str(ROOT / "scripts"), os.environ.get("PYTHONPATH", "")])
-    command = [sys.executable, "-m", f"distributed.cli.{module}", *options]
-    with subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path}
-    ) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
-def told(process: subprocess.Popen[str], what: str) -> str:
-    """Return the address that a part of a cluster tells after `what`."""
-    assert process.stderr is not None
-    line = next(line for line in process.stderr if what in line)
-    return line.rpartition(what)[2].strip()

@@ -4,8 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+import shapely
 
-from batches.cells import BLOCK, Design, cells, runs
+from batches.cells import BLOCK, Design, cells, runs, seeds_by_cell
+from bringup.resolution import contour_of
 from bringup.scenario_file import SCENARIOS, Override
 from swarm_msgs_py.errors import ConfigError
 
@@ -85,6 +87,45 @@ def test_two_scenarios_of_one_name_are_refused(tmp_path: Path) -> None:
 def test_what_does_not_exist_is_named(change: dict[str, tuple[str, ...]], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         cells(Design(**{"scenarios": ("smoke-4",), **change}))  # type: ignore[arg-type]
+
+
+def test_a_turn_depends_on_the_seed_and_not_on_the_method() -> None:
+    design = Design(scenarios=("smoke-4",), methods=METHODS, is_turned=True)
+    turns = {
+        seed: {run.scenario.shape.rotation_deg for run in runs(cells(design), range(seed, seed + 1))} for seed in (1, 2)
+    }
+
+    assert [len(found) for found in turns.values()] == [1, 1]
+    assert turns[1] != turns[2]
+    straight = runs(cells(Design(scenarios=("smoke-4",))), range(1, 3))
+    assert {run.scenario.shape.rotation_deg for run in straight} == {0.0}
+
+
+def test_shapes_are_not_turned_into_obstacles() -> None:
+    (cell,) = cells(Design(scenarios=("formation-50-ideal",), shapes=("formation_4",), is_turned=True))
+    obstacles = [shapely.Polygon(obstacle.polygon()) for obstacle in cell.scenario.map.obstacles]
+    found = [contour_of(run.scenario) for run in runs((cell,), range(1, 41))]  # every eighth draw meets an obstacle
+
+    assert not any(shapely.Polygon(contour).intersects(obstacles).any() for contour in found)
+
+
+def test_turned_cells_are_others_than_straight_ones() -> None:
+    straight, turned = (cells(Design(scenarios=("smoke-4",), is_turned=turns))[0] for turns in (False, True))
+
+    assert straight.key != turned.key
+    assert (straight.is_turned, turned.is_turned) == (False, True)
+
+
+def test_a_scenario_of_several_shapes_is_not_turned() -> None:
+    with pytest.raises(ConfigError, match="--turns: sequence-50 has several shapes"):
+        cells(Design(scenarios=("sequence-50",), is_turned=True))
+
+
+def test_seeds_are_found_in_the_keys_of_runs() -> None:
+    (cell,) = cells(Design(scenarios=("smoke-4",)))
+    keys = [run.key for run in runs((cell,), range(9, 12))]
+
+    assert seeds_by_cell([*reversed(keys), "something else"]) == {cell.key: [9, 10, 11]}
 
 
 def test_every_run_comes_once_and_in_blocks() -> None:

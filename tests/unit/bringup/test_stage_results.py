@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tick_builders import PERIOD, make_plan, make_tick
+from tick_builders import PERIOD, SAMPLES, make_plan, make_tick
 
 from bringup.scenario import SuccessSpec
 from bringup.stage_results import motion_results, stage_results
@@ -64,18 +64,74 @@ def test_robots_that_follow_late_lag_by_so_much() -> None:
 
     assert on_time is not None
     assert late is not None
+    assert on_time.latency_s is not None
+    assert late.latency_s is not None
     assert late.latency_s - on_time.latency_s == pytest.approx(5.0, abs=0.5)
     assert (on_time.outside, on_time.recovery_s) == (0.0, 0.0)
     assert late.recovery_s is not None
     assert 0.0 < late.recovery_s <= 5.0
 
 
-def test_without_a_motion_that_ended_in_the_record_there_are_no_such_numbers() -> None:
-    cut_short = course_of((0, FIRST), (BEGINS, moving()), (BEGINS + 20, replace(FIRST, epoch=3)))
+def timed(trace: Trace, period_s: float) -> Trace:
+    """Return the record as it is with ticks of another duration, each time a product as engines make them."""
+    ticks = len(trace.tick_times)
+    tick_times = np.arange(ticks) * period_s
+    starts = np.repeat(tick_times, SAMPLES)
+    steps = np.tile(period_s * np.arange(1, SAMPLES + 1) / SAMPLES, ticks)
+    return replace(trace, tick_times=tick_times, sample_times=np.concatenate([tick_times[:1], starts + steps]))
 
+
+@pytest.mark.parametrize("begins", [9, 33])
+@pytest.mark.parametrize("period_s", [0.05, 0.1, 0.3, 0.7])
+def test_motions_are_evaluated_at_any_control_period_also_one_right_after_the_other(
+    period_s: float, begins: int
+) -> None:
+    back = replace(moving(begins + TICKS, epoch=3), contour=FIRST.contour, goals=FIRST.goals)
+    assert back.motion is not None
+    back = replace(back, motion=replace(back.motion, start=FIRST.contour + SHIFT, track=back.motion.track[::-1]))
+    course = course_of((0, FIRST), (0, moving(begins)), (begins, back))
+    there = [smooth(tick - begins) for tick in range(begins + TICKS + 1)]
+    rest_late = [smooth(TICKS - tick) for tick in range(TICKS // 2)]  # and then they stop half way
+    shares = there + rest_late + [rest_late[-1]] * 40
+    trace = timed(recorded(shares), period_s)
+
+    first = motion_results(trace, course_of((0, FIRST), (0, moving(begins))), period_s, LIVE)
+    both = motion_results(trace, course, period_s, LIVE)
+
+    assert first is not None
+    assert both is not None
+    assert both.recovery_s is None  # of the second one
+    assert both.outside_max == 0.5 > first.outside_max
+
+
+def test_a_motion_that_is_cut_short_counts_up_to_there_but_has_no_recovery() -> None:
+    stay = replace(FIRST, epoch=3, contour=FIRST.contour + SHIFT)
+    cut_short = course_of((0, FIRST), (BEGINS, moving()), (BEGINS + 30, stay))
+    ends_too_soon = following(0, until=BEGINS + 30)
+
+    for results in (
+        motion_results(recorded([0.0] * 160), cut_short, PERIOD, LIVE),
+        motion_results(ends_too_soon, course_of((0, FIRST), (20, moving())), PERIOD, LIVE),
+    ):
+        assert results is not None
+        assert results.latency_s is not None
+        assert results.recovery_s is None
+    behind = motion_results(recorded([0.0] * 160), cut_short, PERIOD, LIVE)
+    assert behind is not None
+    assert 0.0 < behind.outside < behind.outside_max == 1.0
+    assert 0.0 < behind.uncovered < 1.0
+
+
+def test_a_motion_that_has_hardly_begun_says_nothing_of_a_lag() -> None:
+    results = motion_results(following(0, until=BEGINS + 5), course_of((0, FIRST), (20, moving())), PERIOD, LIVE)
+
+    assert results is not None
+    assert (results.latency_s, results.outside_max) == (None, 0.0)
+
+
+def test_without_a_motion_in_the_record_there_are_no_such_numbers() -> None:
     assert motion_results(following(0), course_of((0, FIRST)), PERIOD, LIVE) is None
-    assert motion_results(following(0, until=BEGINS + 30), course_of((0, FIRST), (20, moving())), PERIOD, LIVE) is None
-    assert motion_results(following(0), cut_short, PERIOD, LIVE) is None
+    assert motion_results(following(0, until=BEGINS), course_of((0, FIRST), (20, moving())), PERIOD, LIVE) is None
     assert motion_results(following(0), course_of((0, FIRST), (20, moving())), PERIOD, ~LIVE) is None
 
 
@@ -105,6 +161,13 @@ def test_a_stage_that_was_never_formed_has_no_settling_time() -> None:
 
     assert first.settling_s is not None
     assert second.settling_s is None
+
+
+def test_a_stage_that_was_passed_over_keeps_its_place_among_the_others() -> None:
+    stages = stage_results(recorded([0.0] * 60), course_of((0, FIRST)), [0, 30, 30], PERIOD, SUCCESS)
+
+    assert [stage.settling_s is None for stage in stages] == [False, True, False]
+    assert stages[1].displacement_m == 0.0
 
 
 def test_before_the_first_order_there_are_no_stages() -> None:

@@ -88,7 +88,18 @@ def test_files_of_stages_are_relative_to_the_scenario(tmp_path: Path) -> None:
         ("[{scale: 1.1}, {scale: 1.1, split: {}}]", "stages[1]: split and translate_m, scale or rotate_deg are both"),
         ("[{scale: 1.1, at_s: 5.0, hold_s: 1.0}]", "stages[0]: at_s and hold_s are both given; remove one of them"),
         ("[{shape: {name: hw_2_square}, rotate_deg: 90}]", "stages[0]: rotate_deg beside shape is the turn on the way"),
-        ("[{scale: 1.1, at_s: 500.0}]", "stages[0]: at_s: 500 s is not before the time limit of 150 s"),
+        (
+            "[{scale: 1.1, at_s: 500.0}]",
+            "stages[0]: it cannot have been formed for success.hold_s before 503 s, and the",
+        ),
+        (
+            "[{scale: 1.1, at_s: 100, over_s: 46}]",
+            "before 151 s, and the time limit is 150 s; order it sooner, shorten",
+        ),
+        (
+            "[{scale: 1.1, over_s: 70, hold_s: 0}, {scale: 0.9, over_s: 71, hold_s: 5}]",
+            "stages[1]: it cannot have been",
+        ),
         ("[{scale: 1.1, at_s: 50.0}, {scale: 1.1, at_s: 40.0}]", "stages[1]: at_s: 40 s is before a stage before it"),
         (
             "[{shape: {name: hw_2_sqare}}]",

@@ -94,6 +94,25 @@ def test_out_of_time_the_stages_to_come_are_the_reason() -> None:
     assert found[1].reason == "time limit of 20 s: 2 of 2 robots at their goals; 1 stage to come"
 
 
+def test_out_of_time_in_mid_motion_the_shape_is_said_to_have_been_moving() -> None:
+    plan = replace(moving(), epoch=1)
+    records = [with_mission(along(tick, plan if tick == 1 else None), 1, 2) for tick in range(1, 30)]
+
+    found = verdict_of(make_supervisor(duration_s=15.0), [first_tick(0), *records])
+
+    assert found is not None
+    assert found[1].reason.endswith("; the shape was still moving; 2 stages to come")
+
+
+def test_a_stage_that_was_passed_over_counts_from_when_the_next_one_was_ordered() -> None:
+    supervisor = make_supervisor()
+    again = with_mission(make_tick(30, STARTS, plan=replace(FIRST, epoch=2)), 2, 0)
+
+    verdict_of(supervisor, [first_tick(2), *at_rest(29, 1, 0, 2), again])
+
+    assert supervisor.stages == [0, 30, 30]
+
+
 def along(tick: int, plan: Plan | None = None) -> TickRecord:
     """Return a tick in which both robots are, at its end, exactly where their goals are then."""
     places = goals_at(moving(), tick + 1)

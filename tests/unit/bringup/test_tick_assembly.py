@@ -116,6 +116,17 @@ def test_a_report_that_is_given_up_holds_up_its_tick_no_longer_and_is_told_of() 
     assert record.alerts == ("r01 answered tick 0 but did not report; recorded without",)
 
 
+def test_reports_are_owed_from_when_the_world_has_run_the_tick_until_they_come() -> None:
+    assembly = TickAssembly()
+    assembly.put_agents(reports(0, FIRST))
+    before = assembly.owing
+    assembly.put_world(world(0, answered=frozenset({FIRST, SECOND})))
+    after = assembly.owing
+    assembly.put_agents(reports(0, SECOND))
+
+    assert (before, after, assembly.owing) == (frozenset(), {SECOND}, frozenset())
+
+
 def test_giving_up_one_tick_gives_up_no_other() -> None:
     assembly = TickAssembly()
     for tick in (0, 1):

@@ -52,6 +52,23 @@ def test_a_stage_with_a_time_is_ordered_then_and_begins_after_the_lead() -> None
     assert [(step.report.stage, step.report.stages_left) for step in outputs[5:7]] == [(0, 1), (1, 0)]
 
 
+def test_late_stages_come_one_after_the_other_as_their_motions_end() -> None:
+    mission = make_mission(Stage(EAST, over_s=10.0, at_s=3.0), Stage(SQUARE, over_s=10.0, at_s=5.0))
+    air = Air(mission)
+    air.tick = 100  # the mission computer has been restarted
+
+    outputs = steps(air, 60)
+
+    assert plans(outputs) == [(100, 1), (101, 2), (125, 3)]
+    first, second = (step.plan for step in outputs if step.plan is not None and step.plan.motion is not None)
+    assert first is not None
+    assert second is not None
+    assert first.motion is not None
+    assert second.motion is not None
+    assert second.motion.begins - first.motion.ends == round(LEAD_S / PERIOD)
+    np.testing.assert_array_equal(second.motion.start, first.contour)
+
+
 def test_a_stage_without_a_time_waits_until_all_report_that_they_are_at_rest() -> None:
     one, two = Radio(1), Radio(2)
     air = Air(make_mission(Stage(EAST, hold_s=1.0)), one, two)

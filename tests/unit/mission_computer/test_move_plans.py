@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from shapely import Polygon
@@ -100,6 +102,52 @@ def test_when_a_robot_is_back_there_are_goals_for_all_again() -> None:
     plan = maker.for_move(3, shifted(), fewer, ())
 
     assert (len(plan.goals), plan.follows) == (6, 0)
+
+
+def test_robots_share_goals_out_anew_when_another_one_is_lost_than_before_though_they_are_as_many() -> None:
+    maker = make_maker()
+    maker.for_shape(1, SQUARE, ())
+    absent = Member(NodeId(3), 1, (30.0, 20.0), 0, -1, 0.0)
+    fewer = maker.for_members(2, [absent])
+    gone = int(np.flatnonzero(fewer.goal_types == 1)[0])
+    x, y = (float(c) for c in fewer.goals[gone])
+    dead_in_place = Member(NodeId(5), 1, (x, y), 2, gone, 0.0)
+
+    same, other = (maker.for_move(3, shifted(), fewer, [lost]) for lost in (absent, dead_in_place))
+
+    assert (same.follows, other.follows) == (2, 0)
+    assert len(same.goals) == len(other.goals) == 5
+    nearest = float(np.linalg.norm(goals_at(other, 0) - [x, y], axis=1).min())
+    assert nearest > 2.0 * THESIS_TYPES[0].coverage_radius_m  # nobody is sent to where the body lies
+
+
+def test_a_goal_of_a_plan_for_fewer_robots_is_known_by_its_own_number() -> None:
+    maker = make_maker()
+    first = maker.for_shape(1, SQUARE, ())
+    fewer = maker.for_members(2, [dead(first, 0, epoch=1)])
+    ghost = Member(NodeId(9), int(first.goal_types[0]), None, 1, 0, 0.0)
+    lost = int(np.flatnonzero(fewer.goal_types == 1)[1])
+
+    plan = maker.for_move(3, shifted(), fewer, [ghost, Member(NodeId(8), 1, None, 2, lost, 0.0)])
+
+    np.testing.assert_allclose(goals_at(plan, 0), np.delete(fewer.goals, lost, axis=0), atol=0.0051)
+
+
+def test_a_forged_number_of_a_plan_takes_no_time_or_memory() -> None:
+    maker = make_maker()
+    east = maker.for_move(2, shifted(), maker.for_shape(1, SQUARE, ()), ())
+    forged = maker.renumbered(east, 40_000_000)
+    tracemalloc.start()
+
+    plan = maker.for_move(40_000_001, shifted(60, by=2.0 * EAST), forged, ())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+
+    assert plan.follows == 1
+    assert peak < 100e6
+    np.testing.assert_array_equal(
+        maker.for_members(40_000_002, [dead(plan, 4, epoch=40_000_000)]).goals, np.delete(plan.goals, 4, axis=0)
+    )
 
 
 @pytest.mark.parametrize(

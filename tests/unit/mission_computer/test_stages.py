@@ -36,7 +36,7 @@ def test_a_stage_without_a_time_is_due_when_all_have_been_at_rest_long_enough() 
 
 
 def test_stages_come_one_after_the_other() -> None:
-    stages = [Stage(SQUARE, at_s=1.0), Stage(SQUARE, at_s=1.0)]
+    stages = [Stage(SQUARE, over_s=5.0, at_s=1.0), Stage(SQUARE, over_s=5.0, at_s=1.0)]
     schedule = StageSchedule(stages)
     due = []
     while schedule.left:
@@ -45,6 +45,25 @@ def test_stages_come_one_after_the_other() -> None:
 
     assert due == stages
     assert (schedule.done, schedule.next_due(5.0, 5.0)) == (2, None)
+
+
+def test_no_stage_is_due_before_the_motion_before_it_is_over() -> None:
+    schedule = StageSchedule([Stage(SQUARE, at_s=20.0)])
+
+    due = [schedule.next_due(time, NOT_AT_REST, free_at=50.0) is not None for time in (20.0, 49.5, 50.0)]
+
+    assert due == [False, False, True]
+
+
+def test_late_stages_that_a_new_shape_would_replace_at_once_are_passed_over() -> None:
+    new_shapes = [Stage(SQUARE + shift, at_s=10.0 * shift) for shift in range(1, 4)]
+    stages = [Stage(SQUARE, over_s=5.0, at_s=5.0), *new_shapes, Stage(SQUARE, over_s=5.0, at_s=31.0), Stage(SQUARE)]
+    schedule = StageSchedule(stages)
+
+    assert schedule.next_due(35.0, NOT_AT_REST) is stages[3]
+    schedule.finish()
+    assert (schedule.done, schedule.left) == (4, 2)
+    assert schedule.next_due(35.5, NOT_AT_REST) is stages[4]
 
 
 @pytest.mark.parametrize("is_cancelled", [True, False])

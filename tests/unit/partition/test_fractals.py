@@ -138,3 +138,17 @@ def test_circles_keep_clear_of_obstacles_in_the_shape() -> None:
     radii = FIELD.radii_of(goals.types)
     gaps = [Polygon(body).distance(Point(p)) - r for p, r in zip(goals.positions, radii, strict=True)]
     assert min(gaps) >= FRACTALS.gaps.obstacle_m
+
+
+def test_where_the_hurwitz_rule_finds_no_room_its_settings_are_named_and_no_scale() -> None:
+    contour = load_shape("formation_2")
+    hurwitz = replace(FRACTALS, fractals=FractalConfig(sizes=CircleSizes.HURWITZ, exponent=1.9, shift=1.0))
+
+    with pytest.raises(
+        ShapeError, match=r"Hurwitz rule \(exponent 1.9, shift 1\) .* scaling it does not help"
+    ) as caught:
+        partition(contour, FIELD, config=hurwitz)
+
+    for remedy in ("lower partition.fractals.exponent", "raise partition.fractals.shift", "sizes to coverage"):
+        assert remedy in str(caught.value)
+    partition(contour, FIELD, config=replace(hurwitz, fractals=replace(hurwitz.fractals, exponent=1.05, shift=50.0)))

@@ -10,6 +10,7 @@ import pytest
 import shapely
 from numpy.testing import assert_allclose, assert_array_equal
 from rosters import FIELD
+from scipy.spatial.distance import pdist
 
 from mission_computer.shape import load_shape
 from swarm_msgs_py.errors import ShapeError
@@ -18,7 +19,8 @@ from swarm_msgs_py.geometry.contour import area_centroid
 from swarm_msgs_py.geometry.mesh_quality import mesh_quality
 from swarm_msgs_py.geometry.morphing import Morph
 from swarm_msgs_py.partition import GoalSet, Method, PartitionConfig, partition
-from swarm_msgs_py.partition.moving import KNOT_S, KNOTS_MIN, REACH, knots_for, track
+from swarm_msgs_py.partition.moving import KNOT_S, KNOTS_MAX, KNOTS_MIN, REACH, _check_between, knots_for, track
+from swarm_msgs_py.partition.ways import Ways
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray
@@ -52,11 +54,17 @@ def dented() -> FloatArray:
 
 
 @pytest.mark.parametrize(
-    ("seconds", "knots"), [(1.0, KNOTS_MIN), (20.0, 8), (35.0, 8), (36.0, 9), (60.0, 13), (61.0, 14)]
+    ("seconds", "knots"),
+    [(1.0, KNOTS_MIN), (20.0, 8), (35.0, 8), (36.0, 9), (60.0, 13), (61.0, 14), (315.0, KNOTS_MAX)],
 )
 def test_knots_are_close_enough_to_interpolate(seconds: float, knots: int) -> None:
     assert knots_for(seconds) == knots
     assert seconds / (knots - 1) <= KNOT_S
+
+
+@pytest.mark.parametrize("seconds", [316.0, 1300.0, 1e6])
+def test_a_motion_of_any_length_has_no_more_knots_than_fit_a_plan(seconds: float) -> None:
+    assert knots_for(seconds) == KNOTS_MAX
 
 
 @pytest.mark.parametrize("method", MOVING)
@@ -124,6 +132,35 @@ def test_a_turn_takes_the_goals_around(method: Method) -> None:
     arms = places - center
     assert_allclose(arms[-1], np.column_stack([-arms[0, :, 1], arms[0, :, 0]]), atol=0.1)
     assert np.ptp(np.linalg.norm(arms, axis=2), axis=0).max() < 0.1  # on circles, not straight through
+
+
+@pytest.mark.parametrize("method", MOVING)
+@pytest.mark.parametrize("degrees", [350.0, 360.0, 720.0])
+def test_all_the_way_around_neighbors_stay_neighbors(method: Method, degrees: float) -> None:
+    bar, angle = np.array([[-8.0, -2.0], [8.0, -2.0], [8.0, 2.0], [-8.0, 2.0]]), np.radians(degrees)
+    roster, config = Roster.of(list(THESIS_TYPES[:1]) * 9), PartitionConfig(method=method)
+    goals = partition(bar, roster, config=config)
+    target = (bar @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])).round(2)
+    morph = Morph(bar, target, angle)
+
+    places = track(morph, goals, roster, (), config, knots=KNOTS)
+
+    ways = Ways(places, morph.centers, angle)
+    near, far = pdist(places[0]).min(), pdist(places[0]).max()
+    for share in np.linspace(0.0, 1.0, 50):
+        between = pdist(ways.goals(share))
+        assert between.min() > 0.9 * near
+        assert between.max() < 1.1 * far
+    assert np.linalg.norm(ways.goals(0.3) - places[0], axis=1).max() > 5.0
+
+
+def test_goals_that_meet_half_way_between_knots_are_refused() -> None:
+    morph = Morph(START, START + 1.0)
+    apart, radii = np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([0.4, 0.4])
+
+    _check_between(np.stack([apart, apart + 1.0, apart + 1.0]), morph, radii)
+    with pytest.raises(ShapeError, match=r"after 75 % of its motion goals .* give it more time"):
+        _check_between(np.stack([apart, apart, apart[::-1]]), morph, radii)
 
 
 @pytest.mark.parametrize("method", MOVING)

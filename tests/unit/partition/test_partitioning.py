@@ -8,7 +8,7 @@ from shapely import Point, Polygon
 from mission_computer.shape import library_names, load_shape
 from mission_computer.shape.arena import load_arena
 from swarm_msgs_py.errors import ShapeError
-from swarm_msgs_py.partition import PartitionConfig, adapt, check_fits, partition
+from swarm_msgs_py.partition import PartitionConfig, adapt, check_fits, forget, partition
 from swarm_msgs_py.partition.config import BubbleConfig, Gaps
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
@@ -169,3 +169,15 @@ def test_goals_for_which_there_is_no_room_are_not_adapted() -> None:
 
     assert adapt(goals, square / 4.0, roster) is None
     assert adapt(goals, square / 20.0, roster) is None
+
+
+def test_what_is_forgotten_is_found_anew_and_is_the_same() -> None:
+    contour = load_shape("formation_1")
+    kept = partition(contour, FIELD)
+    assert partition(contour, FIELD) is kept
+
+    forget()
+
+    found = partition(contour, FIELD)
+    assert found is not kept
+    assert found.positions.tobytes() == kept.positions.tobytes()

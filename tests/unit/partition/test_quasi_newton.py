@@ -2,7 +2,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from swarm_msgs_py.partition.quasi_newton import GRID, minimize
+from swarm_msgs_py.partition.quasi_newton import minimize
+from swarm_msgs_py.partition.rounding import GRID
 from swarm_msgs_py.types import FloatArray
 
 CENTER = np.array([[0.25, -0.5], [1.0, 2.0]])

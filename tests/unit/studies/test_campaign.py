@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from studies.campaign import ResultFile, WorkerDiedError, completed
-from studies.code_version import code_version
+from studies.campaign_folder import RESULTS, locked
+from studies.code_version import REPORTING, ROOT, code_version
 from swarm_msgs_py.errors import ConfigError
 
 
@@ -107,6 +108,24 @@ def test_what_no_run_reads_makes_no_other_version(name: str, tmp_path: Path) -> 
     (tmp_path / name).write_text("{}")
 
     assert code_version(tmp_path) == before
+
+
+def test_what_only_tells_of_runs_is_there_and_makes_no_other_version(tmp_path: Path) -> None:
+    before = code_version(tmp_path)
+    for name in REPORTING:
+        assert (ROOT / name).is_file()
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("A = 1")
+
+    assert code_version(tmp_path) == before
+
+
+def test_a_lock_is_held_against_others_and_let_go(tmp_path: Path) -> None:
+    with locked(tmp_path), pytest.raises(ConfigError, match="another process is writing results there"):
+        locked(tmp_path).__enter__()
+
+    with locked(tmp_path):
+        assert (tmp_path / RESULTS).read_text() == ""
 
 
 def test_folders_that_count_can_be_named(tmp_path: Path) -> None:

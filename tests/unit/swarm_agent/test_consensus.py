@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 from builders import make_presence
+from rows_room import PERIOD, Room, make_plan
 
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import BUNDLE_SIZE, BUNDLES_PER_REQUEST, BUNDLES_PER_TICK, Consensus
@@ -18,63 +19,9 @@ from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
 from swarm_msgs_py.types import NodeId
 
-PERIOD = 0.5
 REST = np.zeros(2)
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
 CHAIN = [(i, i + 1) for i in range(7)]
-
-
-def make_plan(robots: int, epoch: int = 1) -> Plan:
-    return Plan(epoch, SQUARE, (), np.zeros((robots, 2)), np.ones(robots, dtype=np.int64))
-
-
-class Room:
-    """Robots that do nothing but come to know the same, over given links."""
-
-    def __init__(self, robots: int, links: Iterable[tuple[int, int]], loss: float = 0.0) -> None:
-        self.links = set(links)
-        self._loss = loss
-        self._rng = np.random.default_rng(7)
-        self._tick = 0
-        self._meshes = [MeshNetwork(NodeId(i), NetworkConfig(), PERIOD) for i in range(robots)]
-        self._air: list[list[bytes]] = [[] for _ in range(robots)]
-        self._offered = [0] * robots
-        self.minds = [Consensus(NodeId(i), 1, DecisionConfig(), PERIOD) for i in range(robots)]
-
-    def hand_over(self, robot: int, plan: Plan) -> None:
-        """Let one robot know the plan, as if the mission computer stood beside it, and flood it."""
-        body = encode_body(plan)
-        self.minds[robot].receive(self._tick, [Delivery(NodeId(robot), body)], self._meshes[robot])
-        self._meshes[robot].flood(body)
-
-    def run(self, seconds: float) -> None:
-        for _ in range(round(seconds / PERIOD)):
-            sent = [self._step(i, tuple(frames)) for i, frames in enumerate(self._air)]
-            self._air = [[] for _ in sent]
-            for a, b in sorted(self.links):
-                for sender, receiver in ((a, b), (b, a)):
-                    self._air[receiver] += [f for f in sent[sender] if self._rng.random() >= self._loss]
-            self._tick += 1
-
-    def _step(self, i: int, frames: tuple[bytes, ...]) -> tuple[bytes, ...]:
-        mind, mesh = self.minds[i], self._meshes[i]
-        mind.receive(self._tick, mesh.receive(self._tick, frames), mesh)
-        mind.repair(self._tick, mesh)
-        if mind.book.epoch > self._offered[i]:
-            self._offered[i] = mind.book.epoch
-            goals = len(mind.book.plan.goals) if mind.book.plan else 0
-            mind.offer(self._tick, np.full(goals, 100 + i), mesh)
-        book = mind.book
-        presence = make_presence(tick=self._tick, mode=int(Mode.UNASSIGNED), epoch=book.epoch, digest=book.digest)
-        return mesh.transmit(self._tick, presence)
-
-    @property
-    def rows(self) -> list[int]:
-        return [len(mind.book) for mind in self.minds]
-
-    @property
-    def digests(self) -> set[int]:
-        return {mind.book.digest for mind in self.minds}
 
 
 def test_a_flood_brings_plan_and_rows_to_the_end_of_a_chain() -> None:
@@ -163,6 +110,11 @@ class Recorder(MeshNetwork):
     def __init__(self) -> None:
         super().__init__(NodeId(0), NetworkConfig(), PERIOD)
         self.carried: list[tuple[NodeId, bytes]] = []
+        self.heard: dict[NodeId, Presence] = {}
+
+    @property
+    def neighbors(self) -> dict[NodeId, Presence]:
+        return self.heard or super().neighbors
 
     def send(self, destination: NodeId, body: bytes) -> bool:
         self.carried.append((destination, body))
@@ -202,7 +154,7 @@ def test_rows_are_answered_in_packets_of_bounded_size_and_number() -> None:
 
 
 def test_a_row_longer_than_a_packet_of_rows_travels_alone() -> None:
-    mind = make_mind(rows=3, goals=2000)
+    mind = make_mind(rows=3, goals=1000)
 
     bodies = [body for _, body in answers(mind, 0, RowRequest(1, ()))]
 
@@ -367,3 +319,41 @@ def test_a_newer_plan_is_asked_for_only_when_its_flood_has_had_time_to_come() ->
 
     first = next(tick for tick in asked if tick >= 8)
     assert 8 + round(DecisionConfig().plan_wait_s / PERIOD) <= first <= 14
+
+
+@pytest.mark.parametrize("cost", [7, 8, 9, 10])
+def test_after_a_restart_all_hold_the_same_rows_though_two_of_them_had_one_number(cost: int) -> None:
+    room = Room(8, CHAIN)
+    room.hand_over(0, make_plan(8))
+    room.run(20.0)
+    links = room.links
+    room.links = {(a, b) for a, b in links if 3 not in {a, b}}  # so that its flood reaches nobody
+    room.restart(3, cost)
+    room.hand_over(3, make_plan(8))
+    room.run(10.0)
+    assert {mind.book.version_of(NodeId(3)) for mind in room.minds} == {1}
+    assert len(room.digests) == 2
+
+    room.links = links
+    room.run(60.0)
+
+    assert len(room.digests) == 1
+    assert len({row.costs[0] for mind in room.minds for row in mind.book.all_rows() if row.robot == 3}) == 1
+
+
+@pytest.mark.parametrize(("shown", "is_told"), [("the same digest", False), ("another digest", True)])
+def test_who_holds_the_same_versions_is_told_all_rows_only_if_they_say_something_else(
+    shown: str, is_told: bool
+) -> None:
+    room = Room(2, [(0, 1)])
+    room.hand_over(0, make_plan(2))
+    room.run(10.0)
+    mind, mesh = room.minds[0], Recorder()
+    digest = mind.book.digest + (shown == "another digest")
+    mesh.heard = {NodeId(1): make_presence(tick=29, mode=int(Mode.UNASSIGNED), epoch=1, digest=digest)}
+    request = RowRequest(1, room.minds[1].book.versions())
+
+    mind.receive(30, [Delivery(NodeId(1), encode_body(request))], mesh)
+
+    bundles = [decode_body(body) for _, body in mesh.carried]
+    assert [len(bundle.rows) for bundle in bundles if isinstance(bundle, RowBundle)] == [2] * is_told

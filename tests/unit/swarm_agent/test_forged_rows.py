@@ -65,6 +65,21 @@ def test_a_row_of_an_earlier_life_is_taken_and_outbid() -> None:
     assert offered(mind).version == 38
 
 
+@pytest.mark.parametrize("cost", [3, 4, 5, 6])
+def test_another_row_under_the_number_of_the_last_one_sent_is_outbid_whichever_of_them_counts(cost: int) -> None:
+    mind = make_mind(goals=2)
+    sent = offered(mind)
+    tell(mind, sent)
+    assert not mind.is_contested
+
+    tell(mind, CostRow(1, NodeId(0), 1, sent.version, np.array([cost, cost])))
+
+    assert mind.is_contested
+    assert offered(mind).version == sent.version + 1
+    tell(mind, sent)  # late
+    assert not mind.is_contested
+
+
 @pytest.mark.parametrize("bundled", [False, True])
 def test_forged_rows_cannot_lead_a_robot_to_the_end_of_its_versions(bundled: bool) -> None:
     mind = make_mind(goals=2)

@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from builders import make_presence
+from builders import PERIOD, make_plan, make_presence
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from mission_computer.shape.library import library_points
-from swarm_agent.decision.homing import INSIDE_M, home_destination, home_point
+from swarm_agent.decision.homing import HOME_PERIOD_S, INSIDE_M, Home, home_destination, home_point
 from swarm_agent.planning.configuration_space import ConfigurationSpace, disc_polygon
+from swarm_msgs_py.messages.bodies import Motion
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -233,3 +234,34 @@ def test_returned_robots_settle_three_meters_apart_around_home() -> None:
     assert np.linalg.norm(points - HOME, axis=1).min() < 1e-6
     assert np.linalg.norm(points - HOME, axis=1).max() < 4.0 * SPACING
     assert gaps.min() > SPACING - 0.45  # both may move 0.2 m in the last step
+
+
+def test_home_moves_along_with_the_shape_and_is_looked_for_anew_now_and_then() -> None:
+    home, space = Home(PERIOD), ConfigurationSpace((), 0.3)
+    square = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
+    still = replace(make_plan(np.zeros((1, 2))), contour=square)
+    east = np.array([20.0, 0.0])
+    motion = Motion(40, 80, square, 0.0, np.zeros((1, 1, 2)), 9)
+    moving = replace(still, epoch=2, contour=square + east, motion=motion, follows=1)
+    home.learn(0, still)
+    assert_allclose(home.point(0, still, space), [0.0, 0.0], atol=1e-9)
+    home.learn(30, moving)
+
+    points = {tick: home.point(tick, moving, space) for tick in range(30, 140)}
+
+    assert_allclose(points[39], [0.0, 0.0], atol=1e-9)
+    assert_allclose(points[80], [10.0, 0.0], atol=0.01)
+    assert_allclose(points[120], east, atol=1e-9)
+    assert_allclose(points[139], east, atol=1e-9)
+    changes = [tick for tick in range(31, 140) if not np.array_equal(points[tick], points[tick - 1])]
+    assert changes == list(range(40 + round(HOME_PERIOD_S / PERIOD), 121, round(HOME_PERIOD_S / PERIOD)))
+
+
+def test_a_motion_that_cannot_be_leads_home_to_where_it_would_end() -> None:
+    home, space = Home(PERIOD), ConfigurationSpace((), 0.3)
+    bowtie = np.array([[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]])
+    plan = make_plan(np.zeros((1, 2)))
+    forged = replace(plan, motion=Motion(2, 20, bowtie, 0.0, np.zeros((1, 1, 2)), 5))
+    home.learn(0, forged)
+
+    assert_allclose(home.point(10, forged, space), home_point(plan.contour, space))

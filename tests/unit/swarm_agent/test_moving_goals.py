@@ -25,6 +25,7 @@ from swarm_msgs_py.messages.radio import Delivery
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
+from swarm_msgs_py.plan_motion import goals_at, outline_at
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.types import FloatArray, NodeId
 
@@ -179,12 +180,19 @@ def test_until_a_motion_begins_the_one_before_it_goes_on() -> None:
     assert_allclose(places[3], GOALS[1] - 0.5 * NORTH)
 
 
+def shared_out_anew(moves: Plan, tick: int) -> Plan:
+    """Return a plan whose motion begins where that of another one is by then, with goals of its own."""
+    anew = moving(3, follows=0, begins=tick, start=goals_at(moves, tick))
+    assert anew.motion is not None
+    motion = replace(anew.motion, start=outline_at(moves, tick))
+    return replace(anew, contour=anew.contour + 1.0, motion=motion)
+
+
 def test_while_goals_are_shared_out_anew_it_follows_the_one_that_it_had() -> None:
-    mind = Mind()
-    mind.consensus.book.adopt(moving(2, follows=1))
+    mind, moves = Mind(), moving(2, follows=1)
+    mind.consensus.book.adopt(moves)
     mind.strategy.step(2, GOALS[1])
-    anew = moving(3, follows=0, begins=BEGINS + 20, start=GOALS + 0.5 * NORTH)
-    mind.consensus.book.adopt(replace(anew, contour=anew.contour + 1.0))
+    mind.consensus.book.adopt(shared_out_anew(moves, BEGINS + 20))
 
     decision = mind.strategy.step(BEGINS + 10, GOALS[1])
 
@@ -192,6 +200,33 @@ def test_while_goals_are_shared_out_anew_it_follows_the_one_that_it_had() -> Non
     assert decision.destination is not None
     assert GOALS[1][1] < decision.destination[1] < GOALS[1][1] + 0.5 * NORTH[1]
     assert decision.drift is not None
+
+
+def test_who_has_missed_a_plan_does_not_wait_at_a_goal_of_the_shape_before_it() -> None:
+    mind, missed = Mind(), moving(2, follows=1, by=5.0 * NORTH)
+    missed = replace(missed, contour=missed.contour + 5.0 * NORTH)
+    mind.strategy.step(2, GOALS[1])
+    mind.consensus.book.adopt(shared_out_anew(missed, BEGINS + TICKS))
+
+    decision = mind.strategy.step(BEGINS + TICKS, GOALS[1])
+
+    assert decision.goal == -1
+    assert decision.destination is not None
+    assert_allclose(decision.destination, GOALS[1] + 5.0 * NORTH, atol=2.1)
+
+
+@pytest.mark.parametrize("earlier", [[100, 800], [101, 800], [102, 800], [103, 800]])
+def test_after_a_restart_under_a_plan_that_follows_a_robot_outbids_what_it_said_before(earlier: list[int]) -> None:
+    mind = Mind()  # which has sent one row
+    mesh = MeshNetwork(ME, NetworkConfig(), PERIOD)
+    mesh.receive(0, ())
+    mind.consensus.book.adopt(moving(2, follows=1))
+    mind.strategy.step(2, GOALS[1])
+
+    mind.consensus.receive(3, [Delivery(OTHER, encode_body(row(ME, 1, earlier)))], mesh)
+    mind.strategy.step(3, GOALS[1])
+
+    assert mind.consensus.book.version_of(ME) == 2
 
 
 def test_goals_that_move_cost_what_it_takes_to_where_they_are() -> None:

@@ -294,15 +294,16 @@ def test_receiver_names_what_is_wrong(data: bytes, reason: str) -> None:
 
 
 def test_a_plan_too_large_for_a_packet_is_refused_with_its_size_and_what_to_reduce() -> None:
-    goals = np.zeros((16000, 2))
-    plan = Plan(1, TRIANGLE, (TRIANGLE,), goals, np.ones(16000, dtype=np.int64))
+    goals, contour = np.zeros((ROBOTS_MAX, 2)), np.zeros((16000, 2))
+    plan = Plan(1, contour, (TRIANGLE,), goals, np.ones(ROBOTS_MAX, dtype=np.int64))
 
     with pytest.raises(FrameError) as caught:
         encode_body(plan)
 
     text = str(caught.value)
-    assert f"Plan of {1 + 22 + 12 + 2 + 12 + 16000 * 5} bytes; a packet carries at most {BODY_MAX}" in text
-    assert "16000 goals of 5 bytes, 3 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer goals" in text
+    size = 1 + 22 + 16000 * 4 + 2 + 12 + ROBOTS_MAX * 5
+    assert f"Plan of {size} bytes; a packet carries at most {BODY_MAX}" in text
+    assert "1000 goals of 5 bytes, 16000 contour points of 4, and 1 obstacles with 3 corners of 4: use fewer" in text
     assert "\n" not in text
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from mission_computer.shape import load_shape
 from swarm_msgs_py.geometry.contour import signed_area
-from swarm_msgs_py.geometry.correspondence import CORNERS_MAX, matched, resampled
+from swarm_msgs_py.geometry.correspondence import CORNERS_MAX, VERTICES_MAX, matched, resampled
 from swarm_msgs_py.types import FloatArray
 
 L_SHAPE = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 2.0], [2.0, 2.0], [2.0, 5.0], [0.0, 5.0]])
@@ -73,6 +75,49 @@ def test_contours_of_thousands_of_points_are_resampled_first() -> None:
     first, last = matched(5.0 * circle, L_SHAPE)
 
     assert len(first) == len(last) < 3 * CORNERS_MAX
+
+
+def around(corners: FloatArray, a: float, b: float) -> FloatArray:
+    return np.column_stack([a * np.cos(corners), b * np.sin(corners)])
+
+
+CROWD = np.concatenate([np.linspace(-0.15, 0.15, 470), np.linspace(0.2, 2.0 * np.pi - 0.2, 30)])
+SPREAD = np.linspace(0.0, 2.0 * np.pi, 500, endpoint=False)
+
+
+@pytest.mark.parametrize("corners", [CROWD, SPREAD], ids=["crowd", "spread"])
+def test_hundreds_of_corners_take_a_few_megabytes_and_all_find_their_partners(corners: FloatArray) -> None:
+    start, target = around(corners, 100.0, 100.0), around(corners, 140.0, 80.0)
+
+    tracemalloc.start()
+    try:
+        first, last = matched(start, target)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+    assert peak < 50e6
+    assert len(first) <= 4 * VERTICES_MAX + 2 * len(corners)
+    assert corners_among(first, start)
+    assert corners_among(last, target)
+
+
+def test_one_long_edge_among_short_ones_is_divided_no_more_than_all_may_be() -> None:
+    comb = np.array([[0.1 * k, 0.1 * (k % 2)] for k in range(100)] + [[9.9, 9000.0], [0.0, 9000.0]])
+
+    first, last = matched(comb, 2.0 * comb)
+
+    assert len(first) <= 2 * VERTICES_MAX
+    assert_allclose(last, 2.0 * first, atol=1e-6)
+
+
+@pytest.mark.parametrize("shift", [[30.0, -7.0], [0.37, 1000.11]])
+def test_what_is_shifted_keeps_the_same_corners_of_many(shift: list[float]) -> None:
+    start = around(SPREAD, 40.0, 25.0).round(2)
+
+    first, last = matched(start, start + shift)
+
+    assert_allclose(last, first + shift, atol=1e-9)
 
 
 def test_resampling_puts_points_at_equal_distances_from_the_first_on() -> None:

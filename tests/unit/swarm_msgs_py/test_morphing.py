@@ -51,7 +51,7 @@ def test_a_translation_with_growth_keeps_the_shape(share: float) -> None:
     assert same_outline(contour, center + blend * np.array([10.0, -4.0]) + scale * (L_SHAPE - center))
 
 
-@pytest.mark.parametrize("angle", [np.pi / 2.0, np.pi, -np.pi, 2.0 * np.pi])
+@pytest.mark.parametrize("angle", [np.pi / 2.0, np.pi, -np.pi, 2.0 * np.pi, 4.0 * np.pi])
 def test_a_turn_that_is_told_keeps_the_shape_all_the_way(angle: float) -> None:
     morph = Morph(L_SHAPE, turned(L_SHAPE, angle), angle)
 
@@ -123,6 +123,20 @@ def test_points_take_part_in_a_turn_and_a_translation() -> None:
     assert_allclose(morph.carried(around, 0.0, 1.0)[2], area_centroid(L_SHAPE) + AWAY, atol=1e-9)
 
 
+@pytest.mark.parametrize("rounds", [1, 2, -1])
+def test_points_go_around_with_a_contour_that_ends_where_it_began(rounds: int) -> None:
+    morph = Morph(L_SHAPE, L_SHAPE, rounds * 2.0 * np.pi)
+    inner = np.array([[1.0, 1.0], [5.0, 1.0]])
+    share = 0.2
+
+    turn = rounds * 2.0 * np.pi * share * share * (3.0 - 2.0 * share)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    center = area_centroid(L_SHAPE)
+    expected = center + (inner - center) @ np.array([[cosine, sine], [-sine, cosine]])
+    assert_allclose(morph.carried(inner, 0.0, share), expected, atol=1e-9)
+    assert_allclose(morph.carried(inner, 0.0, 1.0), inner, atol=1e-9)
+
+
 def test_points_rest_where_most_of_the_contour_does() -> None:
     dented = np.insert(L_SHAPE, 1, [[2.0, 0.0], [3.0, 0.7], [4.0, 0.0]], axis=0)
     morph = Morph(L_SHAPE, dented)
@@ -136,6 +150,27 @@ def test_a_common_motion_changes_nothing_anywhere() -> None:
     morph = Morph(L_SHAPE, 2.0 * L_SHAPE + [1.0, 1.0])
 
     assert_array_equal(morph.distances_to_change(L_SHAPE), np.inf)
+
+
+def test_what_is_no_morph_is_found_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[object] = []
+
+    def impossible(*contours_and_turn: object) -> None:
+        tried.append(contours_and_turn[-1])
+        raise ShapeError("none")
+
+    monkeypatch.setattr(morphing, "Morph", impossible)
+    for _ in range(3):
+        with pytest.raises(ShapeError, match="none"):
+            morph_between(L_SHAPE, 1.25 * L_SHAPE, 0.123)
+
+    assert tried == [0.123]
+
+
+@pytest.mark.parametrize("target", [L_SHAPE[::-1], L_SHAPE[:2], L_SHAPE[:0], L_SHAPE[[0, 2, 1, 3]]])
+def test_a_morph_to_what_is_no_contour_is_refused(target: FloatArray) -> None:
+    with pytest.raises(ShapeError, match="cross themselves, run clockwise or enclose nothing"):
+        morph_between(L_SHAPE, target)
 
 
 def test_a_morph_is_made_once() -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import struct
+import weakref
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
+from swarm_msgs_py import motion_codec, plan_codec
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
@@ -145,6 +148,59 @@ TRACK = smooth_track(3, 8, 6.0)
 def test_a_motion_that_makes_no_sense_is_not_sent(plan: Plan, reason: str) -> None:
     with pytest.raises(FrameError, match=reason):
         encode_body(plan)
+
+
+def many(count: int) -> FloatArray:
+    """Return a contour of so many corners."""
+    angles = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return 50.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def crowd(count: int, knots: int) -> Plan:
+    """Return a plan that leaves so many robots to find so many knots."""
+    roster = Roster(groups=(replace(SMALL, count=count),))
+    start = np.zeros((1, count, 2))
+    motion = Motion(1, 2000, TRIANGLE, 0.0, start, knots)
+    types = np.full(count, SMALL.type)
+    return Plan(7, TRIANGLE, (), start[0], types, 0, Task.PARTITION, roster, Method.VORONOI, 5, motion, 6)
+
+
+@pytest.mark.parametrize(
+    ("plan", "reason"),
+    [
+        (moving(smooth_track(3, 65, 1.0), TYPES), "65 knots"),
+        (moving(TRACK, TYPES, motion=Motion(1, 2, many(513), 0.0, TRACK, 8)), "513 corners cannot move"),
+        (moving(TRACK, TYPES, contour=many(513)), "513 corners cannot move"),
+        (moving(smooth_track(1001, 2, 0.0), np.ones(1001, dtype=np.int64)), "1001 goals; the air carries at most 1000"),
+        (crowd(51, 64), "51 robots over 64 knots; robots find 62 for so many"),
+    ],
+)
+def test_a_motion_that_would_keep_robots_busy_is_neither_sent_nor_taken(
+    plan: Plan, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(FrameError, match=reason):
+        encode_body(plan)
+    with monkeypatch.context() as forger:
+        for module, limit in ((motion_codec, "KNOTS_MAX"), (motion_codec, "CORNERS_MAX"), (motion_codec, "FOUND_MAX"),
+                              (plan_codec, "ROBOTS_MAX")):  # fmt: skip
+            forger.setattr(module, limit, 10**9)
+        data = encode_body(plan)
+    with pytest.raises(FrameError, match=reason):
+        decode_body(data)
+
+
+def test_fifty_robots_may_find_as_many_knots_as_there_can_be() -> None:
+    assert heard(crowd(50, 64))[1].knots == 64
+
+
+def test_plans_are_held_no_longer_than_until_some_others_came() -> None:
+    held = weakref.ref(heard(moving(TRACK, TYPES))[1].track)
+
+    for epoch in range(20):
+        decode_body(encode_body(moving(TRACK, TYPES, epoch=100 + epoch)))
+
+    gc.collect()
+    assert held() is None
 
 
 def test_a_forged_motion_is_told_from_a_real_one() -> None:

@@ -8,6 +8,7 @@ import shapely
 from numpy.testing import assert_allclose, assert_array_equal
 
 from mission_computer.shape import load_shape
+from swarm_msgs_py import plan_goals
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
 from swarm_msgs_py.partition import Method, PartitionConfig
@@ -92,6 +93,44 @@ def test_goals_never_leave_the_range_between_two_knots_and_one_at_rest_rests() -
         assert_array_equal(goal_rates_at(PLAN, tick)[0], [0.0, 0.0])
 
 
+def turning(rounds: float, task: Task = Task.GOALS, begin: np.ndarray = SQUARE) -> Plan:
+    """Return a plan whose goals turn with the shape, about a center that goes 4 m, told at eight knots."""
+    turn = 2.0 * np.pi * rounds
+    shares = np.linspace(0.0, 1.0, 8)
+    track = np.stack([on_the_way(share, turn) for share in shares]).round(2)
+    return Plan(2, AHEAD, (), track[-1], np.ones(2, dtype=np.int64), 0, task,
+                motion=Motion(BEGINS, TICKS, begin, turn, track, 8))  # fmt: skip
+
+
+def on_the_way(share: float, turn: float) -> np.ndarray:
+    blend = share * share * (3.0 - 2.0 * share)
+    cosine, sine = np.cos(blend * turn), np.sin(blend * turn)
+    arms = np.array([[3.0, 0.0], [-1.0, 2.0]]) @ np.array([[cosine, sine], [-sine, cosine]])
+    return np.array([4.0 + 4.0 * blend, 4.0]) + arms
+
+
+@pytest.mark.parametrize("rounds", [0.25, -1.0, 2.0])
+def test_between_knots_goals_turn_with_the_shape_and_do_not_cut_corners(rounds: float) -> None:
+    plan = turning(rounds)
+
+    for tick in np.arange(BEGINS, BEGINS + TICKS, 0.5):
+        expected = on_the_way((tick - BEGINS) / TICKS, 2.0 * np.pi * rounds)
+        assert_allclose(goals_at(plan, tick), expected, atol=0.02)
+    for tick in (103.0, 117.0, 125.0, 138.0):
+        step = goals_at(plan, tick + 1e-4) - goals_at(plan, tick - 1e-4)
+        assert_allclose(goal_rates_at(plan, tick), step / 2e-4, atol=1e-5)
+    assert_allclose(goal_rates_at(plan, BEGINS), 0.0)
+
+
+@pytest.mark.parametrize("begin", [SQUARE[:0], SQUARE[:2], SQUARE[[0, 2, 1, 3]], SQUARE[::-1], SQUARE * [1.0, 0.0]])
+def test_a_forged_contour_yields_goals_all_the_same_and_a_shape_error_for_who_asks_for_it(begin: np.ndarray) -> None:
+    plan = turning(1.0, begin=begin)
+
+    assert np.isfinite(goals_at(plan, 110)).all()
+    with pytest.raises(ShapeError, match="cross themselves"):
+        contour_at(plan, 110)
+
+
 def test_answers_are_shared_and_cannot_be_written_to() -> None:
     assert contour_at(PLAN, 120) is contour_at(PLAN, 120)
     for answer in (contour_at(PLAN, 120), goals_at(PLAN, 120)):
@@ -132,6 +171,43 @@ def test_until_the_track_is_found_goals_rest_where_they_begin() -> None:
 def test_a_motion_to_what_is_no_contour_is_refused_whatever_the_task(task: Task) -> None:
     with pytest.raises(ShapeError, match="cross themselves, run clockwise"):
         completed(order(SQUARE[[0, 2, 1, 3]], task=task), PartitionConfig())
+
+
+def test_who_is_told_the_goals_does_not_compute_the_contours_between(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plan_goals, "morph_between", None)
+    plan = turning(0.5)
+
+    assert completed(plan, PartitionConfig()) is plan
+
+
+def test_a_shape_of_too_many_corners_is_not_moved() -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 513, endpoint=False)
+    circle = 4.0 + 4.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+
+    with pytest.raises(ShapeError, match="513 corners cannot move; simplify it to 512"):
+        completed(order(circle), PartitionConfig())
+
+
+def test_that_a_plan_cannot_be_followed_is_found_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+
+    def refuse(*_: object, knots: int) -> None:
+        tried.append(knots)
+        raise ShapeError("no room")
+
+    monkeypatch.setattr(plan_goals, "track", refuse)
+    plan = order(SQUARE + 0.77)
+    for _ in range(3):
+        with pytest.raises(ShapeError, match="no room"):
+            completed(plan, PartitionConfig())
+
+    assert tried == [8]
+
+
+def test_all_who_hold_a_plan_share_the_one_with_its_goals() -> None:
+    plan = order(AHEAD)
+
+    assert completed(plan, PartitionConfig()) is completed(plan, PartitionConfig())
 
 
 def test_fractals_cannot_follow_a_motion() -> None:

@@ -90,6 +90,36 @@ def test_who_is_heard_again_is_waited_for_again(book: AnswerBook) -> None:
     assert SECOND in book.missing
 
 
+def test_a_swarm_is_deserted_while_no_robot_that_lives_is_heard(book: AnswerBook) -> None:
+    book.open(0)
+    answer(book, 0, MISSION)
+    before = book.is_deserted
+    book.close()
+    book.open(1)
+    answer(book, 1, MISSION)  # answers at once, and would let the world race on
+    after = book.is_deserted
+    answer(book, 0, SECOND)
+
+    assert (before, after, book.is_deserted) == (False, True, False)
+    book.close()
+    book.open(2)
+    assert book.missing == (SECOND, MISSION)
+
+
+def test_without_robots_the_silence_of_the_mission_computer_counts_and_without_anybody_none_does(
+    book: AnswerBook,
+) -> None:
+    book.remove(FIRST)
+    book.remove(SECOND)
+    book.open(0)
+    book.close()
+    book.open(1)
+    alone = book.is_deserted
+    book.remove(MISSION)
+
+    assert (alone, book.is_deserted) == (True, False)
+
+
 def test_nothing_is_expected_or_taken_from_the_dead(book: AnswerBook) -> None:
     book.open(0)
     answer(book, 0, FIRST, MISSION)

@@ -33,7 +33,9 @@ def behind(delay: float, robots: FloatArray = LATTICE) -> FloatArray:
 
 @pytest.mark.parametrize("delay", [0.0, 1.0, 4.5, 12.0])
 def test_a_swarm_that_follows_exactly_with_a_delay_has_that_latency(delay: float) -> None:
-    assert follow(behind(delay)).latency_s == pytest.approx(delay, abs=STEP)
+    assert (
+        delay - 2.0 * STEP <= follow(behind(delay)).latency_s <= delay
+    )  # the least lag that the grid does not exclude
 
 
 def test_a_swarm_that_is_always_there_has_nothing_outside_and_nothing_to_recover_from() -> None:
@@ -86,6 +88,29 @@ def test_recovery_waits_for_what_is_uncovered() -> None:
 
     assert metrics.outside_max == 0.0
     assert metrics.recovery_s == pytest.approx(6.0, abs=2 * STEP)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.05, 0.3])
+def test_a_swarm_that_follows_a_shape_exactly_is_not_late_however_little_that_moves(shift: float) -> None:
+    share = shift / (SPEED * (ENDS - BEGINS))
+    positions = LATTICE + share * (behind(0.0) - LATTICE)
+
+    metrics = morph_metrics(TIMES, positions, lambda time: SQUARE + share * way(time), BEGINS, ENDS)
+
+    assert metrics.latency_s == 0.0
+
+
+def test_lags_that_fit_alike_but_for_what_the_grid_resolves_count_as_none() -> None:
+    slowly = behind(0.1)  # 4 cm behind, a third of a percent of the shape
+
+    assert follow(slowly).latency_s == 0.0
+    assert follow(behind(2.0)).latency_s >= 1.5
+
+
+def test_a_motion_until_the_last_moment_but_for_rounding_is_within_the_record() -> None:
+    metrics = morph_metrics(TIMES, behind(0.0), contour_of, TIMES[0] - 1e-12, TIMES[-1] + 1e-12)
+
+    assert metrics.outside_max == 0.0
 
 
 @pytest.mark.parametrize(("begins", "ends"), [(-1.0, 60.0), (30.0, 91.0), (60.0, 30.0)])

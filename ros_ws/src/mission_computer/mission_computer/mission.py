@@ -148,7 +148,7 @@ class Mission:
             return self._plan_order(inputs)
         if self._plan is None:
             return None, ""
-        stage = self._schedule.next_due(inputs.time, self._rested(self._plan, inputs.time))
+        stage = self._schedule.next_due(inputs.time, self._rested(self._plan, inputs.time), self._formed_at(self._plan))
         if stage is not None:
             return self._plan_stage(stage, inputs)
         if self._newest_epoch > self._plan.epoch:
@@ -171,14 +171,16 @@ class Mission:
         assert first is not None  # what else was there to plan for?
         return self._plan_shape(Stage(first), inputs, "shape refused")
 
+    def _formed_at(self, plan: Plan) -> float:
+        """Return when the shape of a plan is, or was, where it is to be [s]."""
+        return plan.motion.ends * self._period if plan.motion is not None else -math.inf
+
     def _rested(self, plan: Plan, time: float) -> float:
         """Return for how long everybody has been at rest in the shape, below 0 if they are not [s]."""
-        motion = plan.motion
-        formed_at = motion.ends * self._period if motion is not None else -math.inf
         robots = self._membership.present(time)
         # Who has not been heard at all by the time that makes a silent robot lost is not waited for.
         expected = self._expected - len(self._membership.lost(time)) if time < self._config.lost_after_s else 0
-        return self._parking.rested(time, plan.epoch, formed_at, robots, expected)
+        return self._parking.rested(time, plan.epoch, self._formed_at(plan), robots, expected)
 
     def _plan_stage(self, stage: Stage, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Plan for the next stage of the schedule, which goes no further if that is refused."""

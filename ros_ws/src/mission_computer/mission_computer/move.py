@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarm_msgs_py.geometry.morphing import smooth_step
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.types import FloatArray
 
@@ -74,7 +75,6 @@ def rest_of(plan: Plan, tick: int, period_s: float) -> Move | None:
         return None
     if tick <= motion.begins:
         return Move(plan.contour, motion.begins, motion.ticks, period_s, motion.rotation_rad)
-    share = (tick - motion.begins) / motion.ticks
-    ahead = 1.0 - share * share * (3.0 - 2.0 * share)  # of the way: motions begin and end smoothly (spec 13)
+    ahead = 1.0 - smooth_step((tick - motion.begins) / motion.ticks)  # of the way
     ticks = max(motion.ends - tick, math.ceil(ahead * motion.ticks))
     return Move(plan.contour, tick, ticks, period_s, ahead * motion.rotation_rad)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -21,12 +21,20 @@ from swarm_msgs_py.partition.moving import knots_for, track
 from swarm_msgs_py.plan_goals import completed, goals_crc, is_contour
 from swarm_msgs_py.plan_motion import goals_at, outline_at
 from swarm_msgs_py.roster import Roster
-from swarm_msgs_py.types import FloatArray, IntArray
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 CORNERS = 8  # of the polygon around a lost robot's body
 SIGMAS, DOUBT_MAX_M = 2.0, 1.0  # a body may be so far from where it believed to be; more would block too much
 SHARES = np.linspace(0.0, 1.0, 25)  # of the time of a motion, at which the way of the shape is looked at
 ROUNDING_M = 0.0071  # half the diagonal of a centimeter: so far may a corner be moved when a plan is encoded
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Made:
+    """What is remembered of a plan: the row of each goal in `PlanMaker._full`, and the robots that were lost then."""
+
+    rows: IntArray
+    lost: frozenset[NodeId]
 
 
 class PlanMaker:
@@ -62,7 +70,7 @@ class PlanMaker:
         self._bounds = bounds
         self._contour = np.empty((0, 2))
         self._full = GoalSet(np.empty((0, 2)), np.empty(0, dtype=np.int64))
-        self._rows: dict[int, IntArray] = {}  # per epoch, the row of each goal in `_full`, or in the first of its track
+        self._made: dict[int, _Made] = {}  # per epoch, the plans for the shape in force
 
     def for_shape(self, epoch: int, shape: FloatArray, lost: Sequence[Member]) -> Plan:
         """Return the first plan for a shape, computed on the numbers that the robots will see.
@@ -85,7 +93,7 @@ class PlanMaker:
         goals = partition(contour, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
         plan = self._plan(epoch, contour, goals, lost)
         self._contour, self._full = contour, goals
-        self._rows = {epoch: np.arange(len(goals.types))}
+        self._made = {epoch: _Made(np.arange(len(goals.types)), _robots(lost))}
         return plan
 
     def for_members(self, epoch: int, lost: Sequence[Member]) -> Plan:
@@ -106,16 +114,16 @@ class PlanMaker:
         if self._task is not Task.GOALS:
             return self._without_goals(epoch, self._contour, lost)
         roster = self._roster.without(member.type for member in lost)
-        rows = self._kept_rows(self._full, roster, lost)
+        rows = self._kept_rows(self._full, np.arange(len(self._full.types)), roster, lost)
         bodies = self._bodies(lost)
         goals = self._thinned(self._full, rows, self._contour, roster, lost)
         if goals is None:
             goals = partition(self._contour, roster, self._obstacles, self._config, keep_outs=bodies)
             plan = self._plan(epoch, self._contour, goals, lost)
-            self._full, self._rows = goals, {epoch: np.arange(roster.size)}
+            self._full, self._made = goals, {epoch: _Made(np.arange(roster.size), _robots(lost))}
             return plan
         plan = self._plan(epoch, self._contour, goals, lost)
-        self._rows[epoch] = rows
+        self._made[epoch] = _Made(rows, _robots(lost))
         return plan
 
     def for_move(self, epoch: int, move: Move, present: Plan, lost: Sequence[Member]) -> Plan:
@@ -173,13 +181,15 @@ class PlanMaker:
             held = replace(held, goals_crc=goals_crc(held.goals, held.goal_types))
             encode_body(held)
         self._contour, self._full = contour, GoalSet(held.goals, held.goal_types)
-        self._rows = {number: np.arange(len(held.goals)) for number in range(follows or epoch, epoch + 1)}
+        # Plans that follow each other mean the same goals by the same ids.
+        same = [number for number in self._made if 0 < follows <= number]
+        self._made = dict.fromkeys([*same, epoch], _Made(np.arange(len(held.goals)), _robots(lost)))
         return held
 
     def renumbered(self, plan: Plan, epoch: int) -> Plan:
         """Return the same plan under another number."""
-        if plan.epoch in self._rows:
-            self._rows[epoch] = self._rows[plan.epoch]
+        if plan.epoch in self._made:
+            self._made[epoch] = self._made[plan.epoch]
         return replace(plan, epoch=epoch)
 
     def as_held(self, body: bytes) -> Plan:
@@ -223,15 +233,20 @@ class PlanMaker:
     ) -> tuple[GoalSet, int]:
         """Return the goals with which a motion begins, and the epoch that their ids come from, 0 if from none.
 
+        Robots can only go on with what they have if they are those whom the present plan was for. If one has died and
+        another one is back, there are as many as before, but the one that is back has no goal.
+
         Raises
         ------
         ShapeError
             If the shape has no room for all goals where the motion begins.
         """
         here = GoalSet(goals_at(present, move.begins).round(2), present.goal_types)
-        if np.array_equal(np.sort(here.types), np.sort(roster.interleaved_types())):
+        made = self._made.get(present.epoch)
+        are_as_many = np.array_equal(np.sort(here.types), np.sort(roster.interleaved_types()))
+        if made is not None and made.lost == _robots(lost) and are_as_many:
             return here, present.follows or present.epoch
-        rows = self._kept_rows(here, roster, lost)
+        rows = self._kept_rows(here, np.arange(len(here.types)) if made is None else made.rows, roster, lost)
         goals = self._thinned(here, rows, start, roster, lost)
         if goals is None:
             goals = partition(start, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
@@ -263,7 +278,7 @@ class PlanMaker:
         held = self.as_held(encode_body(plan))
         if not is_contour(held.contour):
             raise ShapeError("the shape is too finely jagged for a plan as wide as this; simplify it")
-        self._rows = {epoch: np.arange(len(held.goals))}
+        self._made = {epoch: _Made(np.arange(len(held.goals)), _robots(lost))}
         return replace(held, goals_crc=goals_crc(held.goals, held.goal_types))
 
     def _plan(self, epoch: int, contour: FloatArray, goals: GoalSet, lost: Sequence[Member]) -> Plan:
@@ -273,17 +288,19 @@ class PlanMaker:
         encode_body(plan)
         return plan
 
-    def _kept_rows(self, goals: GoalSet, roster: Roster, lost: Sequence[Member]) -> IntArray:
+    def _kept_rows(self, goals: GoalSet, full: IntArray, roster: Roster, lost: Sequence[Member]) -> IntArray:
         """Return which of the goals stay, ascending; too few of them if some type has more robots than before.
 
-        First to go are goals that a body covers, then those that lost robots had taken.
+        First to go are goals that a body covers, then those that lost robots had taken; `full` is the row of each of
+        the goals in `_full`.
         """
         covered = self._is_covered(goals, lost)
-        taken = np.zeros(len(goals.types), dtype=bool)
+        had: list[int] = []
         for member in lost:
-            rows = self._rows.get(member.epoch)
-            if rows is not None and 0 <= member.goal < len(rows) and rows[member.goal] < len(taken):
-                taken[rows[member.goal]] = True
+            made = self._made.get(member.epoch)
+            if made is not None and 0 <= member.goal < len(made.rows):
+                had.append(int(made.rows[member.goal]))
+        taken = np.isin(full, had)
         order = np.lexsort((np.arange(len(taken)), taken, covered))
         kept = [row for group in roster.groups for row in order[goals.types[order] == group.type][: group.count]]
         return np.array(sorted(kept), dtype=np.int64)
@@ -311,6 +328,10 @@ class PlanMaker:
         """Return how far from where a lost robot believed to be its body may reach [m]."""
         radius = float(self._roster.radii_of(np.array([member.type]))[0])
         return radius + min(SIGMAS * member.sigma, DOUBT_MAX_M)
+
+
+def _robots(members: Sequence[Member]) -> frozenset[NodeId]:
+    return frozenset(member.robot for member in members)
 
 
 def body_outline(position: tuple[float, float], radius: float, ahead: tuple[float, float] | None = None) -> FloatArray:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from swarm_msgs_py.types import FloatArray
+
+MOMENT = 1e-9  # [s]; times are products of ticks and their duration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +24,8 @@ class Stage:
     rotation_rad : float
         By how much the shape turns on the way, counter-clockwise [rad].
     at_s : float or None
-        When it is ordered, if the stages before it are by then [s]; None: as soon as the shape before it stands.
+        When it is ordered, if the motion before it is over by then, or else when it is [s]; None: as soon as the shape
+        before it stands.
     hold_s : float
         Where there is no time: for how long all robots must have been at rest in the shape before it [s].
     """
@@ -63,8 +67,11 @@ class StageSchedule:
         """Stages that are still to come, or would be."""
         return len(self._stages) - self.done
 
-    def next_due(self, time: float, rested: float) -> Stage | None:
+    def next_due(self, time: float, rested: float, free_at: float = -math.inf) -> Stage | None:
         """Return the stage to order now, if one is.
+
+        Stages that are late, as after a restart of the mission computer, come one after the other as their motions end.
+        Those that a new shape would replace at once are passed over; they count as handed out.
 
         Parameters
         ----------
@@ -72,11 +79,19 @@ class StageSchedule:
             [s].
         rested : float
             For how long all robots have been at rest in the shape in force, below 0 if they are not [s].
+        free_at : float
+            When the motion that was ordered last ends [s].
         """
-        if self.is_broken_off or not self.left:
+        is_over = self.is_broken_off or not self.left
+        if is_over or time < free_at - MOMENT or not self._stages[self.done].is_due(time, rested):
             return None
-        stage = self._stages[self.done]
-        return stage if stage.is_due(time, rested) else None
+        for number in range(self.done + 1, len(self._stages)):
+            at_s = self._stages[number].at_s
+            if at_s is None or time < at_s:
+                break
+            if self._stages[number].over_s == 0.0:
+                self.done = number
+        return self._stages[self.done]
 
     def finish(self) -> None:
         """Note that the stage that was due is in force."""

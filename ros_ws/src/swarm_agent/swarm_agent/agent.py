@@ -15,7 +15,7 @@ from swarm_agent.control.yielding import make_way
 from swarm_agent.decision.by_task import ByTask
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
-from swarm_agent.decision.homing import home_destination, home_point
+from swarm_agent.decision.homing import Home, home_destination
 from swarm_agent.decision.strategy import Decision, Strategy
 from swarm_agent.energy import EnergyStore
 from swarm_agent.forces.forming import ForceForming
@@ -110,7 +110,7 @@ class Agent:
         self._beacons = 0  # among the neighbors
         self._disagreements = 0
         self._told: FloatArray | None = None  # velocity of the last command, body frame
-        self._home: tuple[int, FloatArray] | None = None  # epoch and home point of its plan
+        self._home = Home(period_s)
 
     @property
     def plan(self) -> Plan | None:
@@ -138,7 +138,7 @@ class Agent:
         positioning = self._positioning(inputs, estimate)
         self._consensus.receive(tick, deliveries, mesh)
         self._consensus.repair(tick, mesh)
-        self._learn(self._consensus.plan)
+        self._learn(tick, self._consensus.plan)
         if estimate is None:
             decision, command = None, STOP
         else:
@@ -151,11 +151,12 @@ class Agent:
         outbox = mesh.transmit(tick, self._presence(tick, estimate, mode, asks_for_way=is_held_up))
         return AgentOutputs(tick, command, outbox, self._state(estimate, decision, mode))
 
-    def _learn(self, plan: Plan | None) -> None:
-        """Tell the localizer what a new plan says of walls and bodies; take down its goals."""
+    def _learn(self, tick: int, plan: Plan | None) -> None:
+        """Tell the localizer what a new plan says of walls and bodies; take down its goals and where home is."""
         if plan is not None and plan is not self._learned:
             self._localizer.learn(plan.walls, plan.body_outlines)
             self._learned, self._goals_crc = plan, goals_crc(plan.goals, plan.goal_types)
+            self._home.learn(tick, plan)
 
     def _positioning(self, inputs: AgentInputs, estimate: Estimate | None) -> Positioning:
         """Return whether the robot knows where it is; count beacons that the hellos and the routes see differently."""
@@ -177,10 +178,9 @@ class Agent:
         plan = self._consensus.plan
         if not is_lost or plan is None:
             return decision  # without a plan there is no shape to return to: the strategy goes and finds one
-        if self._home is None or self._home[0] != plan.epoch:
-            self._home = plan.epoch, home_point(plan.contour, self._planner_for(plan.obstacles).space)
+        home = self._home.point(tick, plan, self._planner_for(plan.obstacles).space)
         spacing = self._config.lps.lost.spacing_m
-        target = home_destination(self.id, estimate.position, self._home[1], self._mesh.neighbors.items(), spacing)
+        target = home_destination(self.id, estimate.position, home, self._mesh.neighbors.items(), spacing)
         return Decision(-1, target, Mode.RETURN_HOME, decision.obstacles)
 
     def _control(

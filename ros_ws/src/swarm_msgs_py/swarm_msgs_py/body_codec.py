@@ -81,7 +81,6 @@ def is_urgent(data: bytes) -> bool:
     return data[:1] == _KIND.pack(_PLAN_KIND)
 
 
-@lru_cache(maxsize=2048)
 def decode_body(data: bytes) -> Body:
     """Return the record that `data` stands for; shared, read-only.
 
@@ -90,6 +89,20 @@ def decode_body(data: bytes) -> Body:
     FrameError
         If `data` is not exactly one body.
     """
+    return _decode_plan(data) if is_urgent(data) else _decode_short(data)
+
+
+@lru_cache(maxsize=16)  # plans are few, and take far more memory than bytes
+def _decode_plan(data: bytes) -> Body:
+    return _decode(data)
+
+
+@lru_cache(maxsize=2048)
+def _decode_short(data: bytes) -> Body:
+    return _decode(data)
+
+
+def _decode(data: bytes) -> Body:
     reader = Reader(data)
     (kind,) = reader.fields(_KIND)
     decode = _DECODERS.get(kind)

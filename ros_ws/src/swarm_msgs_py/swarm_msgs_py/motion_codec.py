@@ -16,7 +16,9 @@ import numpy as np
 
 from swarm_msgs_py.binary import Reader, packed, packed_integers
 from swarm_msgs_py.errors import FrameError
+from swarm_msgs_py.geometry.correspondence import CORNERS_MAX
 from swarm_msgs_py.messages.bodies import Motion
+from swarm_msgs_py.partition.moving import FOUND_MAX, KNOTS_MAX
 from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
 
 _HEAD = struct.Struct("<IIIdHB")  # epoch that is followed; beginning, ticks; rotation; contour points, knots
@@ -111,8 +113,36 @@ def check_track(track: FloatArray, goals: FloatArray, knots: int) -> None:
         raise FrameError(f"a track of shape {track.shape} that does not lead to the {len(goals)} goals of its plan")
 
 
+def check_found(robots: int, knots: int) -> None:
+    """Check that a track is not too long for robots to find it for themselves.
+
+    Raises
+    ------
+    FrameError
+        If it is.
+    """
+    if robots * knots > FOUND_MAX:
+        raise FrameError(
+            f"a motion of {robots} robots over {knots} knots; robots find {FOUND_MAX // robots} for so many: take less"
+            " time, or let the mission computer find the goals"
+        )
+
+
+def check_corners(corners: int) -> None:
+    """Check that a contour that moves has not too many corners: every robot finds out how it does so.
+
+    Raises
+    ------
+    FrameError
+        If it has.
+    """
+    if corners > CORNERS_MAX:
+        raise FrameError(f"a contour of {corners} corners cannot move; simplify it to {CORNERS_MAX} at most")
+
+
 def _check(head: MotionHead) -> None:
-    if head.ticks < 1 or head.knots < _KNOTS_MIN:
+    if head.ticks < 1 or not _KNOTS_MIN <= head.knots <= KNOTS_MAX:
         raise FrameError(f"a motion of {head.ticks} ticks and {head.knots} knots")
+    check_corners(head.corners)
     if not math.isfinite(head.rotation_rad) or abs(head.rotation_rad) > _TURNS_MAX:
         raise FrameError(f"a motion that turns by {head.rotation_rad:g} rad")

@@ -18,7 +18,15 @@ import numpy as np
 from swarm_msgs_py.binary import COORDINATE_MAX, Reader, checked, frozen, packed, packed_integers
 from swarm_msgs_py.errors import ConfigError, FrameError
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
-from swarm_msgs_py.motion_codec import check_track, decode_head, decode_track, encode_head, encode_track
+from swarm_msgs_py.motion_codec import (
+    check_corners,
+    check_found,
+    check_track,
+    decode_head,
+    decode_track,
+    encode_head,
+    encode_track,
+)
 from swarm_msgs_py.partition.config import Method
 from swarm_msgs_py.roster import Roster, TypeGroup
 from swarm_msgs_py.types import FloatArray, IntArray
@@ -36,7 +44,7 @@ _MOVES = 0x80  # bit of the task in plans with a motion
 _TASKS, _METHODS = tuple(Task), tuple(Method)  # they travel as their numbers in this order
 
 ROBOTS_MAX = 1000
-"""Robots that a roster on the air may have: every robot computes a goal for each of them."""
+"""Robots that a plan on the air may be for: every robot holds a goal for each of them, or computes it."""
 
 _NO_GOALS, _NO_TYPES = np.empty((0, 2)), np.empty(0, dtype=np.int64)
 _NO_GOALS.flags.writeable = _NO_TYPES.flags.writeable = False
@@ -52,6 +60,8 @@ def encode_plan(plan: Plan) -> bytes:
     """
     if len(plan.goal_types) != len(plan.goals):
         raise FrameError(f"{len(plan.goals)} goals with {len(plan.goal_types)} types")
+    if plan.task is Task.GOALS:
+        _check_goals(len(plan.goals))
     _check_bodies(plan.bodies, len(plan.obstacles))
     named = plan.goals if plan.task is Task.GOALS else _NO_GOALS
     groups = (plan.contour, *plan.obstacles, named, *_moving_places(plan))
@@ -98,6 +108,7 @@ def decode_plan(reader: Reader) -> Plan:
     goals, types, roster, method, crc = _NO_GOALS, _NO_TYPES, None, None, 0
     if task is Task.GOALS:
         (count,) = reader.fields(_COUNT)
+        _check_goals(count)
         goals = grid.read_points(reader, count)
         types = _read_types(reader, count)
     else:
@@ -144,6 +155,9 @@ def _moving_places(plan: Plan) -> tuple[FloatArray, FloatArray]:
 
 
 def _encode_motion(plan: Plan, motion: Motion, start: IntArray, places: IntArray) -> bytes:
+    check_corners(len(plan.contour))
+    if plan.task is Task.PARTITION:
+        check_found(len(places), motion.knots)
     parts = [encode_head(motion, plan.follows), packed_integers(start, "<u2")]
     if plan.task is Task.GOALS:
         parts.append(encode_track(places.reshape(motion.track.shape)))
@@ -153,12 +167,14 @@ def _encode_motion(plan: Plan, motion: Motion, start: IntArray, places: IntArray
 
 
 def _decode_motion(reader: Reader, plan: Plan, grid: _Grid) -> Plan:
+    check_corners(len(plan.contour))
     head = decode_head(reader)
     start = grid.read_points(reader, head.corners)
     goals, types, track = plan.goals, plan.goal_types, np.empty((0, 0, 2))
     if plan.task is Task.GOALS:
         track = grid.places(decode_track(reader, grid.steps(goals), head.knots))
     elif plan.roster is not None and plan.task is Task.PARTITION:
+        check_found(plan.roster.size, head.knots)
         goals = grid.read_points(reader, plan.roster.size)
         types = _read_types(reader, plan.roster.size)
         if (np.sort(types) != np.sort(plan.roster.interleaved_types())).any():
@@ -221,6 +237,11 @@ def _decode_roster(reader: Reader) -> Roster:
 def _check_size(roster: Roster) -> None:
     if roster.size > ROBOTS_MAX:
         raise FrameError(f"a roster of {roster.size} robots; the air carries at most {ROBOTS_MAX}")
+
+
+def _check_goals(count: int) -> None:
+    if count > ROBOTS_MAX:
+        raise FrameError(f"{count} goals; the air carries at most {ROBOTS_MAX}: use fewer goals")
 
 
 def _check_bodies(bodies: int, obstacles: int) -> None:

@@ -7,11 +7,10 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import shapely
 
-from swarm_msgs_py.errors import ShapeError, SwarmError
-from swarm_msgs_py.geometry.contour import signed_area
-from swarm_msgs_py.geometry.morphing import morph_between
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.correspondence import CORNERS_MAX
+from swarm_msgs_py.geometry.morphing import GEOMETRY_ERRORS, is_contour, morph_between
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
 from swarm_msgs_py.partition import GoalSet, PartitionConfig, partition
 from swarm_msgs_py.partition.moving import track
@@ -19,9 +18,8 @@ from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 _CM_PER_M = 100.0
-_CORNERS_MIN = 3
-GEOMETRY_ERRORS = (SwarmError, ArithmeticError, LookupError, RuntimeError, ValueError, shapely.errors.ShapelyError)
-"""What geometry raises on polygons that are none, as a forged plan may have them. Nothing else is expected of it."""
+
+__all__ = ["GEOMETRY_ERRORS", "completed", "goals_crc", "is_contour"]
 
 
 def completed(plan: Plan, config: PartitionConfig) -> Plan:
@@ -42,6 +40,22 @@ def completed(plan: Plan, config: PartitionConfig) -> Plan:
     ShapeError
         If the shape has no room for the roster, or is none, or cannot move as the plan says.
     """
+    found = _completed(plan, config)
+    if isinstance(found, str):
+        raise ShapeError(found)
+    return found
+
+
+@lru_cache(maxsize=16)  # plans are told apart by identity: all robots of a process hold the same one
+def _completed(plan: Plan, config: PartitionConfig) -> Plan | str:
+    """Return the plan with its goals, or why there are none: all robots of a process would ask again."""
+    try:
+        return _with_goals(plan, config)
+    except ShapeError as error:
+        return str(error)
+
+
+def _with_goals(plan: Plan, config: PartitionConfig) -> Plan:
     _check_motion(plan)
     if plan.task is not Task.PARTITION or plan.roster is None or plan.method is None:
         return plan
@@ -64,21 +78,23 @@ def completed(plan: Plan, config: PartitionConfig) -> Plan:
 def _check_motion(plan: Plan) -> None:
     """Refuse a motion that is none, before anybody asks for a contour in the middle of it.
 
+    Who is told the goals does not need the contours between: for him it is enough that there are two of them.
+
     Raises
     ------
     ShapeError
         If it does not lead from one contour to another without crossing itself.
     """
-    if plan.motion is None:
+    motion = plan.motion
+    if motion is None:
         return
-    if not (is_contour(plan.motion.start) and is_contour(plan.contour)):
+    corners = max(len(motion.start), len(plan.contour))
+    if corners > CORNERS_MAX:
+        raise ShapeError(f"a contour of {corners} corners cannot move; simplify it to {CORNERS_MAX} at most")
+    if plan.task is not Task.GOALS:
+        morph_between(motion.start, plan.contour, motion.rotation_rad)
+    elif not (is_contour(motion.start) and is_contour(plan.contour)):
         raise ShapeError("a motion between contours that cross themselves, run clockwise or enclose nothing")
-    try:
-        morph_between(plan.motion.start, plan.contour, plan.motion.rotation_rad)
-    except ShapeError:
-        raise
-    except GEOMETRY_ERRORS as error:
-        raise ShapeError(f"cannot move ({type(error).__name__}: {error}); simplify it") from error
 
 
 def _with_track(plan: Plan, motion: Motion, roster: Roster, config: PartitionConfig) -> Plan:
@@ -122,10 +138,3 @@ def goals_crc(goals: FloatArray, types: IntArray) -> int:
         return 0
     centimeters = np.rint(goals * _CM_PER_M).astype("<i8")
     return zlib.crc32(types.astype("<i8").tobytes(), zlib.crc32(centimeters.tobytes()))
-
-
-def is_contour(points: FloatArray) -> bool:
-    """Return whether (k, 2) points are a simple contour, counter-clockwise, around some area."""
-    if len(points) < _CORNERS_MIN or signed_area(points) <= 0.0:
-        return False
-    return bool(shapely.Polygon(points).is_valid)

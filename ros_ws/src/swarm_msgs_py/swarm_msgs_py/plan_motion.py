@@ -1,7 +1,6 @@
 """Where the shape and the goals of a plan are at a time: for all who follow it, the same at the same tick.
 
-Between the knots of its track a goal goes along a cubic with continuous velocity, which is at rest at both ends and
-never leaves the range between two knots, along x and along y.
+Between the knots of its track a goal goes on a smooth way, and is at rest at both ends (`partition.ways`).
 """
 
 from __future__ import annotations
@@ -11,8 +10,10 @@ from functools import lru_cache
 import numpy as np
 import shapely
 
-from swarm_msgs_py.geometry.morphing import morph_between
-from swarm_msgs_py.messages.bodies import Motion, Plan
+from swarm_msgs_py.geometry.contour import area_centroid, signed_area
+from swarm_msgs_py.geometry.morphing import CORNERS_MIN, morph_between
+from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.partition.ways import Ways
 from swarm_msgs_py.types import FloatArray
 
 CENTIMETER_M = 0.01
@@ -42,7 +43,8 @@ def contour_at(plan: Plan, tick: float) -> FloatArray:
     Raises
     ------
     ShapeError
-        If the motion of the plan is none: the contour would cross itself on the way.
+        If the motion of the plan is none, as it may be in one that was forged: one of its contours is none, or it
+        would cross itself on the way.
     """
     motion = plan.motion
     if motion is None or tick >= motion.ends:
@@ -92,7 +94,7 @@ def goals_at(plan: Plan, tick: float) -> FloatArray:
     motion = plan.motion
     if motion is None or tick >= motion.ends or len(motion.track) < 2:
         return plan.goals
-    return _way(motion).goals(max(tick - motion.begins, 0.0) / motion.ticks)
+    return _ways(plan).goals(max(tick - motion.begins, 0.0) / motion.ticks)
 
 
 def goal_rates_at(plan: Plan, tick: float) -> FloatArray:
@@ -100,62 +102,21 @@ def goal_rates_at(plan: Plan, tick: float) -> FloatArray:
     motion = plan.motion
     if motion is None or not is_moving(plan, tick) or len(motion.track) < 2:
         return np.zeros_like(plan.goals)
-    return _way(motion).rates((tick - motion.begins) / motion.ticks) / motion.ticks
+    return _ways(plan).rates((tick - motion.begins) / motion.ticks) / motion.ticks
 
 
-class _Way:
-    """Goals as cubic Hermite splines over shares of the time.
-
-    Slopes at inner knots are harmonic means of those on both sides, or zero where these have different signs, so that
-    nothing overshoots.
-
-    Parameters
-    ----------
-    track : (m, n, 2) array
-        m >= 2 [m].
-
-    References
-    ----------
-    .. [1] F. N. Fritsch, J. Butland, "A method for constructing local monotone piecewise cubic interpolants", SIAM
-       Journal on Scientific and Statistical Computing 5(2), 1984.
-    """
-
-    def __init__(self, track: FloatArray) -> None:
-        self._track = track
-        self._rises = np.diff(track, axis=0)
-        before, after = self._rises[:-1], self._rises[1:]
-        product, total = before * after, before + after
-        self._slopes = np.zeros_like(track)  # per interval between knots
-        np.divide(2.0 * product, total, out=self._slopes[1:-1], where=product > 0.0)
-
-    def goals(self, share: float) -> FloatArray:
-        """Return the goals after a share of the time, (n, 2) [m]."""
-        knot, t = self._place(share)
-        first, last, rise = self._slopes[knot], self._slopes[knot + 1], self._rises[knot]
-        goals: FloatArray = self._track[knot] + t * (
-            first + t * ((3.0 * rise - 2.0 * first - last) + t * (first + last - 2.0 * rise))
-        )
-        goals.flags.writeable = False
-        return goals
-
-    def rates(self, share: float) -> FloatArray:
-        """Return the change of the goals per share of the time, (n, 2) [m]."""
-        knot, t = self._place(share)
-        first, last, rise = self._slopes[knot], self._slopes[knot + 1], self._rises[knot]
-        bend = 2.0 * (3.0 * rise - 2.0 * first - last) + 3.0 * t * (first + last - 2.0 * rise)
-        rates: FloatArray = len(self._rises) * (first + t * bend)
-        return rates
-
-    def _place(self, share: float) -> tuple[int, float]:
-        """Return the knot before a share of the time, and how far it is from there to the next one, 0 to 1."""
-        place = share * len(self._rises)
-        knot = min(int(place), len(self._rises) - 1)
-        return knot, place - knot
+@lru_cache(maxsize=32)  # plans are told apart by identity: many who hold the same one share the ways of its goals
+def _ways(plan: Plan) -> Ways:
+    motion = plan.motion
+    assert motion is not None  # asked for by those who have looked
+    return Ways(motion.track, (_center(motion.start), _center(plan.contour)), motion.rotation_rad)
 
 
-@lru_cache(maxsize=256)  # motions are told apart by identity: many who hold the same plan share one
-def _way(motion: Motion) -> _Way:
-    return _Way(motion.track)
+def _center(contour: FloatArray) -> FloatArray:
+    """Return the center of area; some place near by, if the contour of a forged plan has none."""
+    if len(contour) < CORNERS_MIN or signed_area(contour) <= 0.0:
+        return np.zeros(2)
+    return np.clip(area_centroid(contour), contour.min(axis=0), contour.max(axis=0))
 
 
 @lru_cache(maxsize=64)  # all who share a process ask for the same tick

@@ -64,6 +64,15 @@ class AnswerBook:
         """Who is still waited for, ascending."""
         return tuple(sorted(self._missing))
 
+    @property
+    def is_deserted(self) -> bool:
+        """Whether all robots that live are silent and none has been heard since the last tick.
+
+        Without robots that live, the same of the mission computer.
+        """
+        expected = self._live - {MISSION} or self._live
+        return bool(expected) and expected <= self._silent - self._heard
+
     def open(self, tick: int) -> None:
         """Begin to collect the answers of a tick."""
         self._tick = tick

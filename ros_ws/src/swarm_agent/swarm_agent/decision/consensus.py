@@ -3,8 +3,9 @@
 Two mechanisms: a *flood* brings every record to everyone once, fast; *anti-entropy* repairs what the flood lost. Every
 hello carries the epoch and a digest of the rows held. A robot whose own rows have been at rest for a while, and whose
 neighbor still shows another digest, asks that neighbor for what it lacks; likewise one whose neighbor has had a newer
-plan for a while. Records merge in any order, so the swarm ends
-at one common set wherever it is connected, also after a partition has healed.
+plan for a while. Who is asked by a robot that holds rows of the same versions, and still shows another digest, sends
+all that it has: two rows go by one number. Records merge in any order, so the swarm ends at one common set wherever it
+is connected, also after a partition has healed.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from swarm_agent.decision.config import DecisionConfig
-from swarm_agent.decision.rows import RowBook
+from swarm_agent.decision.rows import RowBook, checksum
 from swarm_msgs_py.body_codec import decode_body, encode_body, row_size
 from swarm_msgs_py.errors import FrameError, ShapeError
 from swarm_msgs_py.messages.bodies import (
@@ -27,7 +28,7 @@ from swarm_msgs_py.messages.bodies import (
     Task,
     is_newer_epoch,
 )
-from swarm_msgs_py.messages.radio import Delivery
+from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.plan_goals import completed, goals_crc
@@ -65,6 +66,13 @@ class Consensus:
         Control period [s].
     partition : PartitionConfig or None
         Tuning with which to find the goals of a plan that leaves them to the robots; None for the defaults.
+
+    Attributes
+    ----------
+    book : RowBook
+    is_contested : bool
+        Whether somebody holds a row of this robot that it has not sent, and that its own does not outbid; it is from
+        an earlier life of the robot, or forged. The next offer outbids it.
     """
 
     def __init__(
@@ -84,6 +92,8 @@ class Consensus:
         self._plan_wait = round(config.plan_wait_s / period_s)
         self._ahead_since: int | None = None  # tick since which some neighbor has a newer plan
         self._offered = 0  # own rows of the plan in force
+        self._sent = 0  # checksum of the last of them
+        self.is_contested = False
         self._changed_at = 0  # tick of the last change of the book
         self._asked_at = -self._repair_period
         self._bundles_left = BUNDLES_PER_TICK
@@ -111,7 +121,7 @@ class Consensus:
                 if is_newer:
                     self._handed_on.clear()
                 if self.book.since != before:
-                    self._offered = 0
+                    self._offered, self.is_contested = 0, False
                 self._note(tick, changed=is_newer)
             elif isinstance(body, CostRow):
                 self._take(tick, body)
@@ -131,6 +141,7 @@ class Consensus:
             return
         self._offered += 1
         row = CostRow(self.book.epoch, self._robot, self._robot_type, version, costs, weight, self._objective)
+        self._sent, self.is_contested = checksum(row), False
         self._note(tick, changed=self.book.put(row))
         mesh.flood(encode_body(row))
 
@@ -165,7 +176,11 @@ class Consensus:
         """
         if row.robot == self._robot and row.version > self._offered + VERSION_LEAP_MAX:
             return
-        self._note(tick, changed=self.book.put(row))
+        held = self.book.version_of(self._robot)
+        changed = self.book.put(row)
+        if row.robot == self._robot and row.version >= held and checksum(row) != self._sent:
+            self.is_contested |= changed or row.version == held
+        self._note(tick, changed=changed)
 
     def _completed(self, plan: Plan) -> Plan:
         """Return a plan with the goals that it leaves to be found; without any if there are none to be found.
@@ -210,13 +225,19 @@ class Consensus:
         if self.book.plan is None or request.epoch > self.book.epoch:
             return
         held = request.held if request.epoch == self.book.epoch else ()
-        rows = self.book.missing_in(held)
+        rows = self.book.missing_in(held) or self._disputed_with(mesh.neighbors.get(asker), held)
         # Begin elsewhere each time: rows that the asker cannot take must not keep the others from it.
         first = tick % len(rows) if sum(map(row_size, rows)) > BUNDLE_SIZE * BUNDLES_PER_REQUEST else 0
         bundles = islice(_bundled(rows[first:] + rows[:first]), min(BUNDLES_PER_REQUEST, self._bundles_left))
         for bundle in bundles:
             self._bundles_left -= 1
             mesh.send(asker, encode_body(bundle))
+
+    def _disputed_with(self, asker: Presence | None, held: Sequence[tuple[NodeId, int]]) -> tuple[CostRow, ...]:
+        """Return all rows if a neighbor has some that are not these, though they have the same versions."""
+        book = self.book
+        is_other = asker is not None and asker.epoch == book.epoch and asker.digest != book.digest
+        return book.all_rows() if is_other and tuple(held) == book.versions() else ()
 
     def _note(self, tick: int, *, changed: bool) -> None:
         if changed:

@@ -15,13 +15,16 @@ from swarm_agent.decision.strategy import Decision
 from swarm_agent.decision.swapping import SwapOffers
 from swarm_agent.energy import EnergyStore
 from swarm_agent.planning.config import PlanningConfig
+from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.messages.bodies import Objective, Plan
 from swarm_msgs_py.messages.report import Mode
 from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.plan_course import Course
-from swarm_msgs_py.plan_motion import goals_at
+from swarm_msgs_py.plan_motion import goals_at, outline_at
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
+
+SAME_M = 0.001  # [m]; plans travel in whole centimeters
 
 
 class GoalSeeking:
@@ -134,18 +137,28 @@ class GoalSeeking:
         """Take note of a new plan.
 
         Until its rows are complete, what the old plan wanted is the best guess if the shape is the same (spec 11.5), or
-        moves on from there.
+        moves on from where that one will be.
         """
         self._epoch, self._since, self._since_tick, self._goal = plan.epoch, self._consensus.book.since, tick, -1
         self._is_undecided, self._taken = True, {}
         has_guess = self._aim is not None or self._departure is not None
-        is_same_shape = plan.motion is not None or np.array_equal(plan.contour, self._contour)
-        if not (has_guess and is_same_shape):
+        if not (has_guess and self._goes_on_from(plan)):
             goals = goals_at(plan, tick)[plan.goal_types == self._type.type]
             self._aim, self._departure = None, early_destination(position, goals)
         self._course = Course()
         self._course.put(tick, plan)
         self._contour = plan.contour
+
+    def _goes_on_from(self, plan: Plan) -> bool:
+        """Return whether a plan has the shape that is in force, or moves it on; who has missed a plan holds another."""
+        motion = plan.motion
+        if motion is None:
+            return np.array_equal(plan.contour, self._contour)
+        try:
+            held = outline_at(self._course.at(motion.begins), motion.begins)
+        except (LookupError, ShapeError):
+            return False
+        return held.shape == motion.start.shape and bool(np.allclose(held, motion.start, rtol=0.0, atol=SAME_M))
 
     def _go_on(self, tick: int, plan: Plan) -> None:
         """Take note of a plan that moves the goals on: whose goal is which stays as it is."""

@@ -8,17 +8,68 @@ import numpy as np
 import shapely
 
 from swarm_agent.planning.configuration_space import ConfigurationSpace
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.report import Mode
+from swarm_msgs_py.plan_course import Course
+from swarm_msgs_py.plan_motion import contour_at
 from swarm_msgs_py.types import FloatArray, NodeId
 
 INSIDE_M = 1.0
 """How far inside the contour the home point lies, where the shape is that wide."""
 
+HOME_PERIOD_S = 5.0
+"""Time between two looks at where home is, while the shape moves."""
+
 _CORNERS_MIN = 3
 _TINY = 1e-9  # [m]
 _OFF_M = 0.01  # from the edge of the free space: a robot does not stop on a millimeter
 _HALVINGS = 20  # of the inset, for shapes that are narrower than two meters everywhere
+
+
+class Home:
+    """Where home is under the plans that one robot has heard: in the shape as it is by now.
+
+    Parameters
+    ----------
+    period_s : float
+        Control period [s].
+    """
+
+    def __init__(self, period_s: float) -> None:
+        self._every = max(1, round(HOME_PERIOD_S / period_s))
+        self._course = Course()
+        self._basis: tuple[int, int, int] | None = None  # what the point follows from
+        self._point = np.zeros(2)
+
+    def learn(self, tick: int, plan: Plan) -> None:
+        """Take note of a newer plan."""
+        self._course.put(tick, plan)
+
+    def point(self, tick: int, plan: Plan, space: ConfigurationSpace) -> FloatArray:
+        """Return the home point, (2,) [m]; in a shape that moves, what it was at most `HOME_PERIOD_S` ago.
+
+        Parameters
+        ----------
+        tick : int
+        plan : Plan
+            The newest one, learned before. Its motion may be yet to begin; then the one before it says where the shape
+            is.
+        space : ConfigurationSpace
+            Where the robot may be.
+        """
+        present = self._course.at(tick)
+        motion = present.motion
+        stretch = -1 if motion is None or tick >= motion.ends else max(tick - motion.begins, 0) // self._every
+        basis = plan.epoch, present.epoch, stretch
+        if basis != self._basis:
+            try:
+                contour = contour_at(present, tick)
+            except ShapeError:  # a motion that cannot be, of a forged plan
+                contour = present.contour
+            self._basis, self._point = basis, home_point(contour, space)
+        return self._point
 
 
 def home_point(contour: FloatArray, space: ConfigurationSpace | None = None) -> FloatArray:

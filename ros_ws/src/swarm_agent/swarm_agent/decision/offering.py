@@ -12,6 +12,13 @@ For the longest path (`Objective.BOTTLENECK`) remaining paths would not do: in a
 on who has spoken last. There a fresh row tells whole paths, what the robot has driven towards its goal included. The
 own goal then costs what it cost before, and no other goal less; so again, no mixture of rows moves anybody.
 
+Goals may move, and rows of different times would then speak of different places: two robots that go along with theirs
+could be given each other's. So all rows under one set of goal ids speak of where the goals were when those ids were
+given. A robot stands, for its row, where it would have stood then: as far from its goal as it is now, in the same
+direction. What it says is then what it would say if nothing moved, and the argument above holds. Without a goal, the
+nearest one counts. Who hears of such goals late, or anew after a restart, knows where they were at the beginning of the
+motion of the first plan that it hears; after several motions that is not the same, but the nearest it can get.
+
 Path lengths count by the robot's weight, which it decides once per plan: else what has been said of the own goal would
 not hold.
 """
@@ -79,6 +86,7 @@ class RowOffers:
         self._pause = max(1, round(config.refresh_pause_s / period_s))
         self._spread = max(1, round(config.refresh_spread_s / period_s))
         self._since = 0  # epoch with which the rows began
+        self._origins = np.empty((0, 2))  # of the goals of the type, which rows speak of [m]
         self._weight = WEIGHT_ONE  # for this plan
         self._lengths: IntArray | None = None  # of the paths [cm], as the last row was made from them
         self._driven = 0  # of the path to the goal, under this plan [cm]
@@ -111,18 +119,31 @@ class RowOffers:
             self._weight = weight_of(self._config.weight, self._energy.left)
             self._lengths, self._driven = None, 0
             self._since, self._kind, self._version = since, None, 0
+            self._origins = self._paths.origins(plan)
             self._members, self._members_at, self._is_stale = frozenset(), None, False
-        self._watch_members(position)
+        self._watch_members(tick, plan, position, goal)
         kind = self._due(tick, plan, goal, takes_part=takes_part)
         if kind is not None:
-            self._offer(tick, position, self._row(tick, plan, position, goal, kind), kind)
+            place = self._place(tick, plan, position, goal)
+            self._offer(tick, place, self._row(plan, place, goal, kind), kind)
 
     def offer_swap(self, tick: int, plan: Plan, position: FloatArray, goal: int, surcharge: IntArray) -> None:
         """Offer costs that are higher by a surcharge for each goal of the type, (m,) [cm]; none keeps the own goal."""
-        self._offer(tick, position, self._row(tick, plan, position, goal, Row.COSTS, surcharge), Row.COSTS)
+        place = self._place(tick, plan, position, goal)
+        self._offer(tick, place, self._row(plan, place, goal, Row.COSTS, surcharge), Row.COSTS)
         self._is_surcharged = True
 
-    def _watch_members(self, position: FloatArray) -> None:
+    def _place(self, tick: int, plan: Plan, position: FloatArray, goal: int) -> FloatArray:
+        """Return where the robot would stand if the goals were where rows speak of, (2,) [m]."""
+        goals = self._paths.places(tick, plan)
+        if not len(goals):
+            return position
+        own = np.flatnonzero(self._paths.goals(plan) == goal)
+        anchor = int(own[0]) if len(own) else int(np.argmin(np.linalg.norm(goals - position, axis=1)))
+        place: FloatArray = position + (self._origins[anchor] - goals[anchor])
+        return place
+
+    def _watch_members(self, tick: int, plan: Plan, position: FloatArray, goal: int) -> None:
         """Note robots that join: costs from another place than the present one would misjudge what to give them."""
         book = self._consensus.book
         if book.digest == self._members_at:
@@ -131,7 +152,7 @@ class RowOffers:
         joined = members - self._members - {self._robot}
         self._members, self._members_at = members, book.digest
         if joined and self._offered_from is not None and self._kind is not None:
-            moved = float(np.hypot(*(position - self._offered_from)))
+            moved = float(np.hypot(*(self._place(tick, plan, position, goal) - self._offered_from)))
             self._is_stale = self._is_stale or self._is_surcharged or moved >= self._config.refresh_distance_m
 
     def _due(self, tick: int, plan: Plan, goal: int, *, takes_part: bool) -> Row | None:
@@ -149,25 +170,24 @@ class RowOffers:
         return Row.COSTS if self._is_stale and is_turn else None
 
     def _is_known(self) -> bool:
-        """Return whether the own row in the book is the last one offered, not one of an earlier life of this robot."""
-        return self._consensus.book.version_of(self._robot) == self._version
+        """Return whether others can only hold the last row offered, not one of an earlier life of this robot."""
+        consensus = self._consensus
+        return not consensus.is_contested and consensus.book.version_of(self._robot) == self._version
 
-    def _offer(self, tick: int, position: FloatArray, row: IntArray, kind: Row) -> None:
+    def _offer(self, tick: int, place: FloatArray, row: IntArray, kind: Row) -> None:
         self._consensus.offer(tick, row, self._mesh, self._weight)
         self._kind, self._version = kind, self._consensus.book.version_of(self._robot)
-        self._offered_at, self._offered_from = tick, position.copy()
+        self._offered_at, self._offered_from = tick, place.copy()
         self._is_stale = self._is_surcharged = False
 
-    def _row(  # noqa: PLR0913, PLR0917 - what a row is made from
-        self, tick: int, plan: Plan, position: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None
-    ) -> IntArray:
-        """Return the costs of the goals of the own type [cm], (m,); (0,) for an empty row."""
+    def _row(self, plan: Plan, place: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None) -> IntArray:
+        """Return the costs of the goals of the own type [cm], (m,), from a `_place`; (0,) for an empty row."""
         if kind is Row.EMPTY:
             return np.empty(0, dtype=np.int64)
         is_own = self._paths.goals(plan) == goal
         if kind is Row.RESERVATION:
             return np.where(is_own, 0 if self._lengths is None else self._lengths, UNREACHABLE)
-        lengths = self._paths.of(tick, plan, position)
+        lengths = self._paths.to(self._origins, plan, place)
         keep, discount = round(self._config.keep_goal_m * CM_PER_M), 0
         if self._config.objective is Objective.BOTTLENECK:
             lengths = self._whole(lengths, is_own)

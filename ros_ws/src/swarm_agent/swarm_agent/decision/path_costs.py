@@ -36,23 +36,38 @@ class PathCosts:
         """Return the ids of the goals for this type, ascending, (m,)."""
         return np.flatnonzero(plan.goal_types == self._type.type)
 
-    def of(self, tick: int, plan: Plan, position: FloatArray) -> IntArray:
-        """Return the length of the shortest path from a place to each goal of the type, (m,) [cm].
+    def places(self, tick: int, plan: Plan) -> FloatArray:
+        """Return where the goals for this type are, (m, 2) [m]; those that are about to move, where they begin."""
+        places: FloatArray = goals_at(plan, tick)[self.goals(plan)]
+        return places
 
-        Goals that move count where they are now, those that are about to move where they begin.
+    def origins(self, plan: Plan) -> FloatArray:
+        """Return where the goals for this type are before a plan has moved any of them, (m, 2) [m]."""
+        return self.places(0 if plan.motion is None else plan.motion.begins, plan)
+
+    def of(self, tick: int, plan: Plan, position: FloatArray) -> IntArray:
+        """Return the length of the shortest path from a place to where each goal of the type is now, (m,) [cm].
+
+        As `to` of `places`.
+        """
+        return self.to(self.places(tick, plan), plan, position)
+
+    def to(self, goals: FloatArray, plan: Plan, position: FloatArray) -> IntArray:
+        """Return the length of the shortest path from a place to each of some others, (m,) [cm].
 
         An estimate that is far off may lie in a wall or outside the arena, from where no path leads anywhere. The robot
         is somewhere else for certain; then beelines are the best guess.
 
         Parameters
         ----------
-        tick : int
+        goals : (m, 2) array
+            Where to [m].
         plan : Plan
+            Whose obstacles are in the way.
         position : (2,) array
             The place [m].
         """
         planner = planner_for(plan.obstacles, self._type.coverage_radius_m, self._config)
-        goals = goals_at(plan, tick)[plan.goal_types == self._type.type]
         meters = planner.costs(position, goals)
         if not np.isfinite(meters).any():
             meters = np.linalg.norm(goals - position, axis=1)

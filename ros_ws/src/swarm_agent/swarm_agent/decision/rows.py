@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import VERSION_LEAP_MAX, WEIGHT_ONE, CostRow, Plan, Task, is_newer_epoch
 from swarm_msgs_py.plan_course import lineage
 from swarm_msgs_py.plan_goals import is_contour
@@ -24,8 +25,9 @@ class RowBook:
     """Newest cost row of every robot, for one epoch.
 
     A replicated set that only grows: rows merge by highest version, so robots that have exchanged everything hold the
-    same book whatever the order of arrival. Rows that come before their plan count as soon as it is there: a packet
-    is delivered once, and short ones overtake long ones.
+    same book whatever the order of arrival. A robot that has restarted may send another row under a number that it has
+    used before; of two such rows the one with the greater checksum counts, for everybody. Rows that come before their
+    plan count as soon as it is there: a packet is delivered once, and short ones overtake long ones.
 
     A plan may follow another one: its goals are those of the other one, which move on. Then the rows stay what they
     were, under the new number, and nobody has to offer anything again.
@@ -35,7 +37,7 @@ class RowBook:
     plan : Plan or None
         The newest plan heard.
     digest : int
-        Fingerprint of the rows.
+        Fingerprint of the rows, of all that they say.
     since : int
         Epoch of the plan with which the rows began that are held now; 0 for none.
     """
@@ -45,6 +47,7 @@ class RowBook:
         self.digest = 0
         self.since = 0
         self._rows: dict[NodeId, CostRow] = {}
+        self._checksums: dict[NodeId, int] = {}  # of these rows
         self._early: dict[NodeId, CostRow] = {}  # of the newest plan of which a row of that robot was heard
 
     @property
@@ -63,7 +66,7 @@ class RowBook:
         if self.plan is not None and _have_the_same_goals(self.plan, plan):
             self._rows = {robot: replace(row, epoch=plan.epoch) for robot, row in self._rows.items()}
         else:
-            self._rows, self.digest, self.since = {}, 0, plan.epoch
+            self._rows, self._checksums, self.digest, self.since = {}, {}, 0, plan.epoch
         self.plan = plan
         early, self._early = self._early, {}
         for row in early.values():
@@ -77,15 +80,17 @@ class RowBook:
         if row.epoch != self.epoch:
             self._keep_early(row)
             return False
-        held = self._rows.get(row.robot)
-        version = held.version if held else 0
-        if not version < row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
+        version = self.version_of(row.robot)
+        if not version <= row.version <= version + VERSION_LEAP_MAX or not self._fits(row):
             return False
-        if held is None and len(self._rows) >= ROWS_MAX:
+        if version == 0 and (row.version == 0 or len(self._rows) >= ROWS_MAX):
             return False
-        self._rows[row.robot] = row
+        new, old = checksum(row), self._checksums.get(row.robot, 0)
+        if row.version == version and new <= old:
+            return False
+        self._rows[row.robot], self._checksums[row.robot] = row, new
         # Order-free sum of one checksum per row: merging in any order ends at the same digest.
-        self.digest = (self.digest + _fingerprint(row) - (_fingerprint(held) if held else 0)) % 2**32
+        self.digest = (self.digest + new - old) % 2**32
         return True
 
     def versions(self) -> tuple[tuple[NodeId, int], ...]:
@@ -122,6 +127,10 @@ class RowBook:
         row = self._rows.get(robot)
         return row.version if row else 0
 
+    def all_rows(self) -> tuple[CostRow, ...]:
+        """Return every row held, ascending by robot."""
+        return tuple(self._rows[robot] for robot in sorted(self._rows))
+
     def weight_of(self, robot: NodeId) -> int:
         """Return what a robot's row says of its weight, that of an ordinary robot if it has sent none."""
         row = self._rows.get(robot)
@@ -135,7 +144,7 @@ class RowBook:
         kept = self._early.get(row.robot)
         if not is_newer_epoch(row.epoch, self.epoch) or (kept is None and len(self._early) >= EARLY_MAX):
             return
-        if kept is None or (kept.epoch, kept.version) < (row.epoch, row.version):
+        if kept is None or _order(kept) < _order(row):
             self._early[row.robot] = row
 
     def _fits(self, row: CostRow) -> bool:
@@ -156,5 +165,10 @@ def _is_sound(plan: Plan) -> bool:
     return has_place and all(map(len, plan.obstacles))
 
 
-def _fingerprint(row: CostRow) -> int:
-    return zlib.crc32(f"{row.robot}:{row.version}".encode())
+def checksum(row: CostRow) -> int:
+    """Return a checksum of what a row says, whichever of the plans with the same goals it was sent under."""
+    return zlib.crc32(encode_body(replace(row, epoch=0)))
+
+
+def _order(row: CostRow) -> tuple[int, int, int]:
+    return row.epoch, row.version, checksum(row)

@@ -1,4 +1,8 @@
-"""Shapes of several parts as one simple contour, with bridges too narrow for any robot between the parts."""
+"""Shapes of several parts as one simple contour, with bridges too narrow for any robot between the parts.
+
+For whoever orders such a shape: the stages of a scenario, and tools that draw shapes. What comes after that takes it as
+any other contour.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Measures of closed polygonal contours."""
+"""Measures of closed polygonal contours.
+
+Products are summed without BLAS, whose last bits differ between processors: everything that robots compute alone begins
+with these centers.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +25,7 @@ def boundary_center(contour: FloatArray) -> FloatArray:
     """
     following = np.roll(contour, -1, axis=0)
     lengths = np.linalg.norm(following - contour, axis=1)
-    center: FloatArray = lengths @ (0.5 * (contour + following)) / lengths.sum()
+    center: FloatArray = (lengths[:, None] * (0.5 * (contour + following))).sum(axis=0) / lengths.sum()
     return center
 
 
@@ -31,5 +35,5 @@ def area_centroid(contour: FloatArray) -> FloatArray:
     here = contour - origin
     following = np.roll(here, -1, axis=0)
     cross = here[:, 0] * following[:, 1] - following[:, 0] * here[:, 1]
-    centroid: FloatArray = origin + cross @ (here + following) / (3.0 * cross.sum())
+    centroid: FloatArray = origin + (cross[:, None] * (here + following)).sum(axis=0) / (3.0 * cross.sum())
     return centroid

@@ -37,7 +37,8 @@ class ContourIntegrals:
         self.length = float(self.edges.lengths.sum())
         self.center = boundary_center(contour)
         # A sum of t f(end) - t f(start) over edges, collected per corner: it ends one edge and begins the next.
-        self.turns: FloatArray = np.roll(self.edges.tangents, 1, axis=0) - self.edges.tangents
+        self._turns = (np.roll(self.edges.tangents, 1, axis=0) - self.edges.tangents).T.copy()
+        self._normals = self.edges.normals.T.copy()
         following = np.roll(contour, -1, axis=0)
         self.tail_heights: FloatArray = contour[(following != contour).any(axis=1), 1]
         self.heads: IntArray = np.roll(np.arange(len(self.tail_heights)), -1)  # the edge that begins where one ends
@@ -45,6 +46,23 @@ class ContourIntegrals:
     def at(self, points: FloatArray) -> IntegralsAt:
         """Return the integrals at (n, 2) points [m]; each is computed when it is asked for."""
         return IntegralsAt(self, points)
+
+    def sums(self, across: FloatArray, at_tails: FloatArray) -> FloatArray:
+        """Return the sum over edges of shares along their normals, and over corners of shares along the turns there.
+
+        Parameters
+        ----------
+        across, at_tails : (n, e) array
+            Per point.
+
+        Returns
+        -------
+        (n, 2) array
+            Equal bits on all kinds of processors, which BLAS does not give.
+        """
+        sums: FloatArray = np.einsum("ne,de->nd", across, self._normals)
+        sums += np.einsum("ne,de->nd", at_tails, self._turns)
+        return sums
 
 
 class IntegralsAt:
@@ -96,8 +114,7 @@ class IntegralsAt:
         if np.count_nonzero(near):
             heights = np.where(near, np.copysign(HEIGHT_MIN, heights), heights)
         across = (self._first * nearness - self._last * nearness.take(self._contour.heads, axis=1)) / heights
-        push: FloatArray = across @ self._contour.edges.normals + nearness @ self._contour.turns
-        return push
+        return self._contour.sums(across, nearness)
 
     @property
     def transition(self) -> FloatArray:
@@ -105,8 +122,7 @@ class IntegralsAt:
         distances, lengths = self._distances(), self._contour.edges.lengths
         both = distances + distances.take(self._contour.heads, axis=1)
         across = self._heights * np.log((both + lengths) / np.maximum(both - lengths, _TINY))
-        pull: FloatArray = across @ self._contour.edges.normals + distances @ self._contour.turns
-        return pull
+        return self._contour.sums(across, distances)
 
     @property
     def inside(self) -> BoolArray:

@@ -33,7 +33,7 @@ class Edges:
         self.lengths: FloatArray = lengths[proper]
         self.tangents: FloatArray = (heads - tails)[proper] / self.lengths[:, None]
         self.normals: FloatArray = np.column_stack([-self.tangents[:, 1], self.tangents[:, 0]])
-        # Both axes of all edges in one matrix: one product serves a point, and small products cost by their number.
+        # Both axes of all edges in one array: one product serves a point, and small products cost by their number.
         self._axes: FloatArray = np.concatenate([self.tangents, self.normals]).T.copy()
         tails = tails[proper]
         self._tails: FloatArray = np.concatenate([(tails * axes).sum(axis=1) for axes in (self.tangents, self.normals)])
@@ -53,6 +53,8 @@ class Edges:
         heights : (n, e) array
             Coordinate of its line along the normal [m].
         """
-        seen = self._tails - points @ self._axes
+        # Matrix products round differently from one kind of processor to the next, and einsum does not.
+        seen = np.einsum("nd,de->ne", points, self._axes)
+        np.subtract(self._tails, seen, out=seen)
         count = len(self.lengths)
         return seen[:, :count], seen[:, count:]

@@ -122,6 +122,16 @@ def voronoi_mesh(centers: FloatArray, shape: BaseGeometry, edge_min: float) -> t
     return cells, np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
 
 
+def radius_ratios(triangles: FloatArray) -> FloatArray:
+    """Return inscribed over circumscribed radius of (m, 3, 2) triangles, (m,); `EQUILATERAL` is the largest."""
+    sides = np.sqrt(((triangles - np.roll(triangles, 1, axis=1)) ** 2).sum(axis=2))
+    one, two, three = sides.T
+    # With Heron's formula: r / R = (a + b - c) (b + c - a) (c + a - b) / (2 a b c).
+    product = (one + two - three) * (two + three - one) * (three + one - two)
+    ratios: FloatArray = product / (2.0 * one * two * three)
+    return ratios
+
+
 def _cell(voronoi: Voronoi, site: int) -> shapely.Polygon:
     return shapely.Polygon(voronoi.vertices[voronoi.regions[voronoi.point_region[site]]]).convex_hull
 
@@ -137,15 +147,13 @@ def _triangle_irregularity(centers: FloatArray, shape: BaseGeometry) -> FloatArr
     first, second = b - a, c - a
     cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]  # twice the signed area
     usable = np.abs(cross) > 1e-9 * (sides.max(axis=0) ** 2)  # slivers along a straight rim are no mesh triangles
-    first, second, cross, sides, a = first[usable], second[usable], cross[usable], sides[:, usable], a[usable]
+    first, second, cross, a = first[usable], second[usable], cross[usable], a[usable]
     square_1, square_2 = (first**2).sum(axis=1), (second**2).sum(axis=1)
     offset = np.column_stack(
         [second[:, 1] * square_1 - first[:, 1] * square_2, first[:, 0] * square_2 - second[:, 0] * square_1]
     ) / (2.0 * cross[:, None])
     inside = shapely.contains_xy(shape, a + offset)
-    inscribed = np.abs(cross) / sides.sum(axis=0)
-    circumscribed = np.linalg.norm(offset, axis=1)
-    irregularity: FloatArray = (EQUILATERAL - inscribed / circumscribed)[inside]
+    irregularity: FloatArray = EQUILATERAL - radius_ratios(corners[usable][inside])
     return irregularity
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.errors import ShapeError, SwarmError
 from swarm_msgs_py.geometry.contour import area_centroid, signed_area
 from swarm_msgs_py.geometry.correspondence import matched, resampled
 from swarm_msgs_py.types import FloatArray
@@ -22,6 +22,9 @@ STILL = 1e-3  # [m]; a common motion that ends nearer than this to where it bega
 SAME_SIZE = 1e-3  # share by which the common motion changes lengths, if it does
 AREA_MIN = 0.01  # share of its area that a contour keeps before it is blown up again; less is a collapse
 SAME_POINT = 1e-9  # [m]; points of a contour that coincide are one
+CORNERS_MIN = 3
+GEOMETRY_ERRORS = (SwarmError, ArithmeticError, LookupError, RuntimeError, ValueError, shapely.errors.ShapelyError)
+"""What geometry raises on polygons that are none, as a forged plan may have them. Nothing else is expected of it."""
 
 
 class Morph:
@@ -43,13 +46,19 @@ class Morph:
     ------
     ShapeError
         If the contour would cross itself on the way.
+
+    Attributes
+    ----------
+    centers : tuple of (2,) array
+        Centers of area of the start and of the target [m].
+    rotation_rad : float
     """
 
     def __init__(self, start: FloatArray, target: FloatArray, rotation_rad: float = 0.0) -> None:
-        self._start, self._target, self._rotation = start, target, rotation_rad
-        self._centers = area_centroid(start), area_centroid(target)
+        self._start, self._target, self.rotation_rad = start, target, rotation_rad
+        self.centers = area_centroid(start), area_centroid(target)
         self._areas = signed_area(start), signed_area(target)
-        one, other = start - self._centers[0], _turned(target - self._centers[1], -rotation_rad)
+        one, other = start - self.centers[0], _turned(target - self.centers[1], -rotation_rad)
         for match in (matched, _matched_stiffly, _matched_evenly):
             self._first, self._last = match(one, other)
             if self._is_simple():
@@ -62,7 +71,8 @@ class Morph:
         self._growth, self._shift = self._common_motion()
         self._is_resized = abs(abs(self._growth) - 1.0) > SAME_SIZE
         moved = self._common(1.0, self._common(0.0, start, inverse=True))
-        self._is_still = float(np.abs(moved - start).max()) < STILL
+        # What turns by 360 degrees ends where it began as well, but not without going anywhere.
+        self._is_still = rotation_rad == 0.0 and float(np.abs(moved - start).max()) < STILL
         # The target less the common motion, and which edges of both are no part of the other, by their first points.
         self._end = _real((_complex(self._last) - self._shift) / self._growth)
         off = np.maximum(_distances(self._first, self._end), _distances(self._end, self._first)) > STILL
@@ -116,7 +126,7 @@ class Morph:
             np.stack([places, np.roll(places, -1, axis=0)], axis=1)[self._changing]
             for places in (self._first, self._end)
         ]
-        edges = shapely.union_all(shapely.linestrings(np.concatenate(pieces) + self._centers[0]))
+        edges = shapely.union_all(shapely.linestrings(np.concatenate(pieces) + self.centers[0]))
         distances: FloatArray = shapely.distance(edges, shapely.points(points))
         return distances
 
@@ -127,7 +137,7 @@ class Morph:
 
     def _common(self, share: float, points: FloatArray, *, inverse: bool = False) -> FloatArray:
         """Return where points of the start are, in its frame, after a share of the common motion; or the inverse."""
-        blend = _smooth(share)
+        blend = smooth_step(share)
         growth, shift = (1.0 - blend) + blend * self._growth, blend * self._shift
         size = self._size(share) if self._is_resized else 1.0
         if inverse:
@@ -137,23 +147,23 @@ class Morph:
         return self._center(share) + _turned(_real(size * own), self._turn(share))
 
     def _blended(self, share: float) -> FloatArray:
-        blend = _smooth(share)
+        blend = smooth_step(share)
         blended: FloatArray = (1.0 - blend) * self._first + blend * self._last
         return blended
 
     def _size(self, share: float) -> float:
         """Return the factor that gives the blended contour its area."""
-        blend = _smooth(share)
+        blend = smooth_step(share)
         area = (1.0 - blend) * self._areas[0] + blend * self._areas[1]
         return float(np.sqrt(area / max(signed_area(self._blended(share)), AREA_MIN * area)))
 
     def _center(self, share: float) -> FloatArray:
-        blend = _smooth(share)
-        center: FloatArray = (1.0 - blend) * self._centers[0] + blend * self._centers[1]
+        blend = smooth_step(share)
+        center: FloatArray = (1.0 - blend) * self.centers[0] + blend * self.centers[1]
         return center
 
     def _turn(self, share: float) -> float:
-        return _smooth(share) * self._rotation
+        return smooth_step(share) * self.rotation_rad
 
     def _is_simple(self) -> bool:
         shares = (np.arange(CHECKS - 1) + 1.0) / CHECKS
@@ -163,19 +173,38 @@ class Morph:
 
 
 def morph_between(start: FloatArray, target: FloatArray, rotation_rad: float = 0.0) -> Morph:
-    """Return the morph between two contours; per process it is made once.
+    """Return the morph between two contours; per process it is made once, or found to be none.
 
     Raises
     ------
     ShapeError
-        If the contour would cross itself on the way.
+        If one of them is no simple contour, or the contour would cross itself on the way.
     """
-    return _morph(np.ascontiguousarray(start).tobytes(), np.ascontiguousarray(target).tobytes(), rotation_rad)
+    morph = _morph(np.ascontiguousarray(start).tobytes(), np.ascontiguousarray(target).tobytes(), rotation_rad)
+    if isinstance(morph, str):
+        raise ShapeError(morph)
+    return morph
 
 
 @lru_cache(maxsize=8)
-def _morph(start: bytes, target: bytes, rotation_rad: float) -> Morph:
-    return Morph(np.frombuffer(start).reshape(-1, 2), np.frombuffer(target).reshape(-1, 2), rotation_rad)
+def _morph(start: bytes, target: bytes, rotation_rad: float) -> Morph | str:
+    """Return the morph, or why there is none: all robots of a process would ask again."""
+    first, last = (np.frombuffer(points).reshape(-1, 2) for points in (start, target))
+    if not (is_contour(first) and is_contour(last)):
+        return "a motion between contours that cross themselves, run clockwise or enclose nothing"
+    try:
+        return Morph(first, last, rotation_rad)
+    except ShapeError as error:
+        return str(error)
+    except GEOMETRY_ERRORS as error:
+        return f"cannot move ({type(error).__name__}: {error}); simplify it"
+
+
+def is_contour(points: FloatArray) -> bool:
+    """Return whether (k, 2) points are a simple contour, counter-clockwise, around some area."""
+    if len(points) < CORNERS_MIN or signed_area(points) <= 0.0:
+        return False
+    return bool(shapely.Polygon(points).is_valid)
 
 
 def _matched_stiffly(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -217,8 +246,8 @@ def _distances(points: FloatArray, contour: FloatArray) -> FloatArray:
     return distances
 
 
-def _smooth(share: float) -> float:
-    """Return the smooth step: how far a motion is that begins and ends slowly (spec section 13)."""
+def smooth_step(share: float) -> float:
+    """Return how far a motion is that begins and ends slowly, after a share of its time (spec section 13)."""
     return share * share * (3.0 - 2.0 * share)
 
 

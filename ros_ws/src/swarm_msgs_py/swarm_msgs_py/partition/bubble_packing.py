@@ -13,12 +13,12 @@ from swarm_msgs_py.partition.domain import Domain, Shortage
 from swarm_msgs_py.partition.initial_placement import place, shortage
 from swarm_msgs_py.partition.mesh_energy import MeshEnergy
 from swarm_msgs_py.partition.own_frame import OwnFrame
+from swarm_msgs_py.partition.rounding import on_grid
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
 from swarm_msgs_py.partition.spreading import spread_sizes
 from swarm_msgs_py.types import BoolArray, FloatArray
 
 STEP_FLOOR = 0.2  # share of the step limit that is left when bubbles come to rest
-GRID = 2.0**20  # bubbles are rounded to this many parts of a meter, so that rounding errors do not grow
 SWEEPS = 2  # of pushing apart, per iteration; the next iteration goes on where they end
 ALL_WEIGHT = 1.5  # in the choice among meshes: bubbles tend to crowd along the contour
 RIM_WIDTH = 0.7  # in spacings: holds the first row of bubbles and not the second
@@ -156,11 +156,9 @@ class Packing:
         steps = law.mobility * force
         lengths = np.sqrt((steps * steps).sum(axis=1))
         steps *= np.minimum(1.0, longest / np.maximum(lengths, longest))[:, None]
-        moved = np.rint(GRID * (centers + steps)) / GRID
-        return self._separator.apart(moved, SWEEPS)
+        return self._separator.apart(on_grid(centers + steps), SWEEPS)
 
     def _pressures(self, centers: FloatArray) -> FloatArray:
-        """Return how hard each bubble is pushed from all sides together, (n,)."""
+        """Return how hard each bubble is pushed from all sides together, (n,), rounded: some are equal by symmetry."""
         push = self._law.shape_gain * self._contour.at(centers).repulsion
-        pressures: FloatArray = self._law.pressures(centers) + np.sqrt((push * push).sum(axis=1))
-        return pressures
+        return on_grid(self._law.pressures(centers) + np.sqrt((push * push).sum(axis=1)))

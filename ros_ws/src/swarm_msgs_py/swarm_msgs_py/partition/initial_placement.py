@@ -8,6 +8,7 @@ import numpy as np
 
 from swarm_msgs_py.partition.domain import Domain, Shortage
 from swarm_msgs_py.partition.free_region import FreeRegion
+from swarm_msgs_py.partition.rounding import direction, on_grid
 from swarm_msgs_py.types import FloatArray
 
 ALONG_X: FloatArray = np.array([1.0, 0.0])
@@ -25,7 +26,7 @@ def place(domain: Domain, first: int = 0) -> FloatArray | None:
         each makes another cluster, from which a packing may settle better.
     """
     order = np.roll(np.arange(len(domain.radii)), -first)
-    found = place_in_turn(domain.reordered(order), np.array([math.cos(first), math.sin(first)]))
+    found = place_in_turn(domain.reordered(order), direction(float(first)))
     if len(found) < len(order):
         return None
     centers = np.empty_like(found)
@@ -38,13 +39,13 @@ def shortage(domain: Domain) -> Shortage | None:
     return Shortage.after(domain, np.arange(len(domain.radii)), len(place_in_turn(domain)))
 
 
-def place_in_turn(domain: Domain, direction: FloatArray = ALONG_X) -> FloatArray:
+def place_in_turn(domain: Domain, beside: FloatArray = ALONG_X) -> FloatArray:
     """Return a start for the packing: each circle in turn at the free point nearest to the boundary center.
 
     Parameters
     ----------
     domain : Domain
-    direction : (2,) array
+    beside : (2,) array
         Unit vector in which the second circle stands beside a first one at the center, where all ways are equal.
 
     Returns
@@ -59,7 +60,7 @@ def place_in_turn(domain: Domain, direction: FloatArray = ALONG_X) -> FloatArray
     exact, and 50 times faster than to subtract discs from polygons.
     """
     fields = {
-        radius: _CandidateField(region, domain.center, direction, domain, radius)
+        radius: _CandidateField(region, domain.center, beside, domain, radius)
         for radius, region in zip(domain.classes, domain.regions, strict=True)
     }
     centers = np.empty((len(domain.radii), 2))
@@ -77,9 +78,9 @@ class _CandidateField:
     """Candidates for the nearest free point for circles of one radius."""
 
     def __init__(
-        self, region: FreeRegion, target: FloatArray, direction: FloatArray, domain: Domain, radius: float
+        self, region: FreeRegion, target: FloatArray, beside: FloatArray, domain: Domain, radius: float
     ) -> None:
-        self._region, self._target, self._direction = region, target, direction
+        self._region, self._target, self._beside = region, target, beside
         # Keep-out radius around a placed circle of each class.
         self._reach = {other: radius + other + domain.gaps.robot_m for other in domain.classes}
         self._centers = np.empty((0, 2))
@@ -92,7 +93,7 @@ class _CandidateField:
         if not len(self._candidates):
             return None
         squares = ((self._candidates - self._target) ** 2).sum(axis=1)
-        best: FloatArray = self._candidates[np.argmin(squares)]
+        best: FloatArray = self._candidates[np.argmin(on_grid(squares))]  # several are equal by symmetry
         return best
 
     def add(self, center: FloatArray, radius: float) -> None:
@@ -103,7 +104,7 @@ class _CandidateField:
         apart = np.linalg.norm(self._candidates - center, axis=1)
         kept = self._candidates[apart >= reach - TOUCH]
         on_arcs = np.concatenate(
-            [_toward(center, reach, self._target, self._direction), self._circle_corners(center, reach)]
+            [_toward(center, reach, self._target, self._beside), self._circle_corners(center, reach)]
         )
         fresh = np.concatenate([on_arcs[self._region.contains(on_arcs)], self._boundary_corners(center, reach)])
         self._candidates = np.concatenate([kept, self._outside_circles(fresh)])
@@ -121,8 +122,8 @@ class _CandidateField:
         distances = np.linalg.norm(offsets, axis=1)
         meets = (distances < reach + self._reaches) & (distances > np.abs(reach - self._reaches))
         offsets, distances, others = offsets[meets], distances[meets], self._reaches[meets]
-        along = (distances**2 + reach**2 - others**2) / (2.0 * distances)
-        across = np.sqrt(np.maximum(reach**2 - along**2, 0.0))
+        along = (distances**2 + reach * reach - others**2) / (2.0 * distances)
+        across = np.sqrt(np.maximum(reach * reach - along**2, 0.0))
         unit = offsets / distances[:, None]
         normal = np.column_stack([-unit[:, 1], unit[:, 0]])
         middle = center + along[:, None] * unit
@@ -134,7 +135,7 @@ class _CandidateField:
         offsets = self._region.starts - center
         a = (edges**2).sum(axis=1)
         b = (edges * offsets).sum(axis=1)
-        discriminant = b**2 - a * ((offsets**2).sum(axis=1) - reach**2)
+        discriminant = b**2 - a * ((offsets**2).sum(axis=1) - reach * reach)
         root = np.sqrt(np.maximum(discriminant, 0.0))
         corners = []
         for along in ((-b - root) / a, (-b + root) / a):
@@ -143,9 +144,9 @@ class _CandidateField:
         return np.concatenate(corners)
 
 
-def _toward(center: FloatArray, reach: float, target: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the point of a circle that is nearest to the target, (1, 2); around the target, that in `direction`."""
+def _toward(center: FloatArray, reach: float, target: FloatArray, beside: FloatArray) -> FloatArray:
+    """Return the point of a circle that is nearest to the target, (1, 2); around the target, that toward `beside`."""
     offset = target - center
-    distance = float(np.linalg.norm(offset))
-    unit = offset / distance if distance > TOUCH else direction
+    distance = math.sqrt(float(offset[0] * offset[0] + offset[1] * offset[1]))  # a norm of one vector goes by BLAS
+    unit = offset / distance if distance > TOUCH else beside
     return (center + reach * unit)[None]

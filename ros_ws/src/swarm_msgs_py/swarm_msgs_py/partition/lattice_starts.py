@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from swarm_msgs_py.partition.rounding import direction, on_grid
 from swarm_msgs_py.types import FloatArray
 
+HEIGHT = math.sqrt(0.75)  # of an equilateral triangle
 SIXTH = np.pi / 3.0  # a hexagonal lattice looks the same after this turn
 # Which point of the lattice lies on the origin, in lattice vectors: a site, the middle of a triangle, that of a side.
 _PHASES = ((0.0, 0.0), (1.0 / 3.0, 1.0 / 3.0), (0.5, 0.0))
-TIE = 1e6  # distances are compared in micrometers, so that a last bit cannot order what is equal by symmetry
 
 
 def lattice_starts(region: BaseGeometry, spacing: float, count: int, starts: int) -> Iterator[FloatArray]:
@@ -43,12 +45,12 @@ def lattice_starts(region: BaseGeometry, spacing: float, count: int, starts: int
     for start in range(starts):
         phase = _PHASES[start % len(_PHASES)]
         along, up = first + phase[0], second + phase[1]
-        x, y = spacing * (along + 0.5 * up), spacing * 0.75**0.5 * up
+        x, y = spacing * (along + 0.5 * up), spacing * HEIGHT * up
         turn = start * SIXTH / starts
-        cosine, sine = np.cos(turn), np.sin(turn)
+        cosine, sine = direction(turn)
         points = np.column_stack([cosine * x - sine * y, sine * x + cosine * y])
         points = points[(np.abs(points) < reach).all(axis=1)]
         sites = shapely.points(points)
         outside = shapely.distance(region, sites)
         depths = np.where(outside > 0.0, -outside, shapely.distance(region.boundary, sites))
-        yield points[np.argsort(-np.rint(TIE * depths), kind="stable")[:count]]
+        yield points[np.argsort(-on_grid(depths), kind="stable")[:count]]

@@ -11,7 +11,8 @@ from swarm_msgs_py.geometry.mesh_quality import mesh_quality_in
 from swarm_msgs_py.types import FloatArray
 
 FLOOR = 1e-3  # added to both values of a ratio, as the reference may be perfect
-MARGIN = 0.005  # of a metric that changes with every move: more than the rounding of goals to a centimeter takes
+MARGIN = 0.005  # of a metric that changes with every move: about what the rounding of goals to a centimeter takes
+PERFECT = 1e-9  # below this a metric is 0 up to rounding
 DECIMALS = 6  # so that last bits decide nothing between meshes that are equal by symmetry
 
 
@@ -52,13 +53,22 @@ class MeshComparison:
         self._radii = radii
         self._reference = self._metrics(reference)
 
-    def standing(self, sites: FloatArray) -> Standing:
-        """Return how the mesh of (n, 2) sites compares."""
+    def standing(self, sites: FloatArray, margin: float = MARGIN) -> Standing:
+        """Return how a mesh compares.
+
+        Parameters
+        ----------
+        sites : (n, 2) array
+            [m].
+        margin : float
+            By this share a metric that changes with every move must be better than the reference; 0 for goals that will
+            not move any more.
+        """
         topological, geometrical = (
             np.round([_ratio(value, known) for value, known in zip(values, reference, strict=True)], DECIMALS)
             for values, reference in zip(self._metrics(sites), self._reference, strict=True)
         )
-        excess = np.maximum(topological - 1.0, 0.0).sum() + np.maximum(geometrical - (1.0 - MARGIN), 0.0).sum()
+        excess = np.maximum(topological - 1.0, 0.0).sum() + np.maximum(geometrical - (1.0 - margin), 0.0).sum()
         total = topological.sum() + geometrical.sum()
         worse = bool((topological > 1.0).any())
         return Standing(round(float(excess), DECIMALS), round(float(total), DECIMALS), worse)
@@ -76,7 +86,7 @@ class MeshComparison:
 
 
 def _ratio(value: float | None, reference: float | None) -> float:
-    """Return the ratio of two values of a metric, 1 less the margin where one is not defined."""
-    if value is None or reference is None:
+    """Return the ratio of two values of a metric, 1 less the margin where one is not defined or both are perfect."""
+    if value is None or reference is None or max(value, reference) < PERFECT:
         return 1.0 - MARGIN
     return (value + FLOOR) / (reference + FLOOR)

@@ -6,17 +6,18 @@ import math
 
 import numpy as np
 
+from swarm_msgs_py.geometry.mesh_quality import EDGE_MIN, EQUILATERAL, HEXAGON, radius_ratios
 from swarm_msgs_py.partition.cell_integrals import Region
 from swarm_msgs_py.partition.power_diagram import PowerDiagram
+from swarm_msgs_py.partition.rounding import on_grid
 from swarm_msgs_py.types import FloatArray, IntArray
 
-HEXAGON = 6  # neighbors of a site in a perfect mesh
-EDGE_MIN = 1e-6  # cells that share less of an edge than this part of the spacing share a corner
 SLIVER = 1e-6  # triangles with less area than this part of a cell are no part of the mesh
-EQUILATERAL = 4.0 * 3.0**0.5  # sum of squared sides over area of an equilateral triangle
+SQUARES_PER_AREA = 4.0 * math.sqrt(3.0)  # sum of squared sides over area of an equilateral triangle
 # Weights in `irregularity`, that of inner cells' neighbor counts being 1: no share may lose what another gains.
 TRIANGLE_WEIGHT = 20.0
 AREA_WEIGHT = 3.0
+DECIMALS = 9  # of irregularities, so that last bits decide nothing between what is equal by symmetry
 
 
 class MeshEnergy:
@@ -80,18 +81,19 @@ class MeshEnergy:
         """
         diagram = self._diagram(sites)
         lengths = self._region.lengths_inside(diagram)
-        is_edge = (lengths > EDGE_MIN * self._cell_area**0.5) & (diagram.pairs < diagram.count).all(axis=1)
+        is_edge = (lengths > EDGE_MIN * math.sqrt(self._cell_area)) & (diagram.pairs < diagram.count).all(axis=1)
         neighbors = np.bincount(diagram.pairs[is_edge].ravel(), minlength=diagram.count)
         deviation = np.abs(neighbors - HEXAGON)
         cells = self._region.moments(diagram)
         inner = deviation[~cells.touching]
-        ratios = _radius_ratios(sites[self._inner_triangles(diagram)])
-        return (
+        ratios = radius_ratios(sites[self._inner_triangles(diagram)])
+        irregularity = (
             all_weight * float(deviation.mean())
             + (float(inner.mean()) if len(inner) else 0.0)
-            + (TRIANGLE_WEIGHT * float((0.5 - ratios).mean()) if len(ratios) else 0.0)
+            + (TRIANGLE_WEIGHT * float((EQUILATERAL - ratios).mean()) if len(ratios) else 0.0)
             + AREA_WEIGHT * float(cells.areas.std() / cells.areas.mean())
         )
+        return round(irregularity, DECIMALS)
 
     def largest_hole(self, sites: FloatArray, apart_from: int) -> FloatArray | None:
         """Return the point of the region farthest from all sites, of those where three cells meet, (2,); None: no such.
@@ -103,7 +105,7 @@ class MeshEnergy:
         if not usable.any():
             return None
         centers, corners = diagram.centers[usable], sites[diagram.triangles[usable, 0]]
-        farthest: FloatArray = centers[np.argmax(((centers - corners) ** 2).sum(axis=1))]
+        farthest: FloatArray = centers[np.argmax(on_grid(((centers - corners) ** 2).sum(axis=1)))]
         return farthest
 
     def _diagram(self, sites: FloatArray) -> PowerDiagram:
@@ -127,23 +129,13 @@ class MeshEnergy:
         for corner in range(3):
             side = corners[:, corner] - corners[:, corner - 1]
             squares += side[:, 0] ** 2 + side[:, 1] ** 2
-        ratios = squares / (EQUILATERAL * areas)
+        ratios = squares / (SQUARES_PER_AREA * areas)
         slopes = np.zeros((diagram.count, 2))
         for corner in range(3):
             here, after, before = corners[:, corner], corners[:, (corner + 1) % 3], corners[:, corner - 1]
             growth = 2.0 * (2.0 * here - after - before)
             across = turns[:, None] * np.column_stack([(after - before)[:, 1], (before - after)[:, 0]])
-            slope = growth / (EQUILATERAL * areas)[:, None] - (ratios / areas)[:, None] * across
+            slope = growth / (SQUARES_PER_AREA * areas)[:, None] - (ratios / areas)[:, None] * across
             for axis in range(2):
                 slopes[:, axis] += np.bincount(triangles[:, corner], slope[:, axis], diagram.count)
         return ratios - 1.0, slopes
-
-
-def _radius_ratios(corners: FloatArray) -> FloatArray:
-    """Return inscribed over circumscribed radius of (m, 3, 2) triangles, 0.5 for an equilateral one, (m,)."""
-    sides = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2))
-    one, two, three = sides.T
-    # With Heron's formula: r / R = (a + b - c) (b + c - a) (c + a - b) / (2 a b c).
-    product = (one + two - three) * (two + three - one) * (three + one - two)
-    ratios: FloatArray = product / (2.0 * one * two * three)
-    return ratios

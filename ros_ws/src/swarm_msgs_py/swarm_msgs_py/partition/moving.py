@@ -26,11 +26,17 @@ from swarm_msgs_py.partition.partitioning import GoalSet
 from swarm_msgs_py.partition.quasi_newton import minimize
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
 from swarm_msgs_py.partition.voronoi import DECIMALS, ROUNDING_M, STEP_MAX
+from swarm_msgs_py.partition.ways import Ways
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import BoolArray, FloatArray
 
-KNOT_S = 5.0  # goals are told at least this often; between knots they are interpolated
+KNOT_S = 5.0  # goals are told at least this often, as far as `KNOTS_MAX` goes; between knots they are interpolated
 KNOTS_MIN = 8
+KNOTS_MAX = 64
+"""Knots that a track may have: more than five minutes of motion have knots less often."""
+FOUND_MAX = 50 * KNOTS_MAX
+"""Robots times knots of a track that robots find for themselves. That takes them less than a minute: most with bubble
+packing for many robots (its time grows with their square)."""
 STEPS = 8  # of the contour from knot to knot
 AHEAD = 3  # steps by which the contour for which goals settle is ahead: packing follows a contour late
 ITERATIONS = 60  # of bubble packing after each of them: at least 40 per 0.5 s of motion (spec 13)
@@ -68,8 +74,8 @@ class Relaxing:
 
 
 def knots_for(duration_s: float) -> int:
-    """Return how many knots the track of a motion of this duration needs."""
-    return max(KNOTS_MIN, math.ceil(duration_s / KNOT_S) + 1)
+    """Return how many knots the track of a motion of this duration has."""
+    return min(max(KNOTS_MIN, math.ceil(duration_s / KNOT_S) + 1), KNOTS_MAX)
 
 
 def track(  # noqa: PLR0913 - what moves, for whom, between what, how
@@ -102,12 +108,14 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
     -------
     (knots, n, 2) array
         Whole centimeters [m]. At every knot but the first, which has the goals as they are given, circles are inside
-        the contour and keep all gaps up to that rounding. Equal inputs give equal tracks.
+        the contour and keep all gaps up to that rounding; half-way between knots no two of them overlap. Equal inputs
+        give equal tracks.
 
     Raises
     ------
     ShapeError
-        If the method cannot move goals, or there is no room for the robots on the way.
+        If the method cannot move goals, there is no room for the robots on the way, or knots are too far apart for
+        what they do between them.
     """
     relax = RELAXATIONS.get(config.method)
     if relax is None:
@@ -122,11 +130,14 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
     places = [start]
     for step, (before, share) in enumerate(pairwise(shares), start=1):
         # Goals that settle for a contour to come are not behind when it is there.
-        ahead = domains[min(step + AHEAD, len(shares) - 1)]
-        is_final = step > len(shares) - STEPS
-        begun = morph.carried(settled, before, share)
+        later = min(step + AHEAD, len(shares) - 1)
+        ahead, is_final = domains[later], step > len(shares) - STEPS
+        # The contour's turn until then is no change to settle for: it would push goals along.
+        seen = shares[later] if morph.rotation_rad else share
+        begun = morph.carried(settled, before, seen)
         settled = relax(Relaxing(ahead, config, free, is_final), begun)
         settled = np.where(_leaves(ahead.contour, begun, settled)[:, None], begun, settled)
+        settled = morph.carried(settled, seen, share) if morph.rotation_rad else settled
         parted = held.follow(settled, morph.carried(held.places, before, share), domains[step])
         settled = np.where(parted[:, None], held.places, settled)
         places.append(held.places)
@@ -136,7 +147,28 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
         smooth[knot] = separator.apart(smooth[knot], FINAL_SWEEPS)
         if not separator.is_separated(smooth[knot]):
             raise ShapeError(_no_room(knot / (knots - 1)))
-    return smooth.round(DECIMALS) + 0.0  # no negative zeros
+    found: FloatArray = smooth.round(DECIMALS) + 0.0  # no negative zeros
+    _check_between(found, morph, radii)
+    return found
+
+
+def _check_between(places: FloatArray, morph: Morph, radii: FloatArray) -> None:
+    """Refuse a track on which circles overlap half-way between two knots: there, ways are farthest from them.
+
+    Raises
+    ------
+    ShapeError
+        Saying after which share of the time.
+    """
+    ways, intervals = Ways(places, morph.centers, morph.rotation_rad), len(places) - 1
+    least = np.triu(radii[:, None] + radii, 1)  # of each pair once
+    for share in ((np.arange(intervals) + 0.5) / intervals).tolist():
+        x, y = ways.goals(share).T
+        if (np.hypot(x[:, None] - x, y[:, None] - y) < least).any():
+            raise ShapeError(
+                f"after {100.0 * share:.0f} % of its motion goals of the shape come too near to each other;"
+                " give it more time, or go by way of a shape in between"
+            )
 
 
 class _Held:

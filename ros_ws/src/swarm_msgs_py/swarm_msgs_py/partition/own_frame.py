@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from swarm_msgs_py.geometry.contour import area_centroid, boundary_center
+from swarm_msgs_py.partition.rounding import on_grid
 from swarm_msgs_py.types import FloatArray
 
-ROUND = 1e-6  # shapes whose second moments differ by less than this share have no principal axis
+ROUND = 1e-4  # shapes whose second moments differ by less than this share have no principal axis
+EVEN = 1e-6  # [m]; boundary centers that are no farther to one side are in the middle, up to rounding
+# Which way the axis of an even shape points. It turns around where this does not matter to any usual drawing.
+_USUAL = np.array([1.0, 0.4])
 
 
 class OwnFrame:
@@ -22,13 +28,18 @@ class OwnFrame:
     def __init__(self, contour: FloatArray) -> None:
         self._origin = area_centroid(contour)
         axis = _principal_axis(contour - self._origin)
-        toward = boundary_center(contour) - self._origin
-        self._axis = -axis if float(toward[0] * axis[0] + toward[1] * axis[1]) < 0.0 else axis
+        side = _along(boundary_center(contour) - self._origin, axis)
+        if abs(side) < EVEN:
+            side = _along(_USUAL, axis)
+        self._axis = -axis if side < 0.0 else axis
 
     def enter(self, points: FloatArray) -> FloatArray:
-        """Return (n, 2) points of the world in this frame."""
+        """Return (n, 2) points of the world in this frame, rounded to a micrometer.
+
+        So a turned shape is the same shape, and where its center is up to the last bits does not matter any more.
+        """
         (x, y), (cosine, sine) = (points - self._origin).T, self._axis
-        return np.column_stack([cosine * x + sine * y, cosine * y - sine * x])
+        return on_grid(np.column_stack([cosine * x + sine * y, cosine * y - sine * x]))
 
     def leave(self, points: FloatArray) -> FloatArray:
         """Return (n, 2) points of this frame in the world."""
@@ -44,9 +55,14 @@ def _principal_axis(contour: FloatArray) -> FloatArray:
     yy = float((cross * (y * y + y * v + v * v)).sum()) / 12.0
     xy = float((cross * (x * v + 2.0 * (x * y + u * v) + u * y)).sum()) / 24.0
     difference, twice = xx - yy, 2.0 * xy
-    size = (difference * difference + twice * twice) ** 0.5
+    size = math.sqrt(difference * difference + twice * twice)
     if size < ROUND * (xx + yy):
         return np.array([1.0, 0.0])
-    cosine = ((1.0 + difference / size) / 2.0) ** 0.5
-    sine = ((1.0 - difference / size) / 2.0) ** 0.5
-    return np.array([cosine, sine if twice >= 0.0 else -sine])
+    # Half of the angle; the larger of sine and cosine first, since the other would lose half of its digits.
+    larger = math.sqrt((1.0 + abs(difference) / size) / 2.0)
+    smaller = twice / (2.0 * size * larger)
+    return np.array([larger, smaller] if difference >= 0.0 else [smaller, larger])
+
+
+def _along(vector: FloatArray, axis: FloatArray) -> float:
+    return float(vector[0] * axis[0] + vector[1] * axis[1])

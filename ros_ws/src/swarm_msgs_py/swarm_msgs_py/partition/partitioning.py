@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from swarm_msgs_py.errors import ShapeError
-from swarm_msgs_py.partition.config import PartitionConfig
+from swarm_msgs_py.partition.config import CircleSizes, Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain, check_obstacles
 from swarm_msgs_py.partition.method import METHODS, PartitionMethod
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
@@ -96,9 +96,14 @@ def _partition(polygons: _Polygons, roster: Roster, config: PartitionConfig) -> 
     domain, types = _posed(shape, roster, tuple(obstacles), config, method)
     centers = method.place(domain)
     if centers is None:
-        raise ShapeError(_remedy(domain, types, roster, method))
+        raise ShapeError(_hurwitz_remedy(domain, config) or _remedy(domain, types, roster, method))
     centers.flags.writeable = types.flags.writeable = False
     return GoalSet(centers, types)
+
+
+def forget() -> None:
+    """Forget all partitions, so that this process finds its goals itself and does not go by those of its parent."""
+    _partition.cache_clear()
 
 
 def adapt(
@@ -152,7 +157,7 @@ def check_fits(
     check_obstacles(shape, obstacles)
     domain, types = _posed(shape, roster, obstacles, config, method)
     if method.shortage(domain) is not None:
-        raise ShapeError(_remedy(domain, types, roster, method))
+        raise ShapeError(_hurwitz_remedy(domain, config) or _remedy(domain, types, roster, method))
 
 
 def _posed(
@@ -196,6 +201,26 @@ def _remedy(domain: Domain, types: IntArray, roster: Roster, method: PartitionMe
         f"a shape of {domain.area:.3g} m2 is {problem}: needs {needed:.3g} m2; scale it by at least {scale:g}"
         f" (circle {shortage.placed + 1} of {roster.size}, for type {types[shortage.circle]} of radius"
         f" {domain.radii[shortage.circle]:g} m, found no room; {shortage.free_area:.3g} m2 are free)"
+    )
+
+
+def _hurwitz_remedy(domain: Domain, config: PartitionConfig) -> str | None:
+    """Return the line for the operator when only the Hurwitz rule leaves no room; None if it is not to blame.
+
+    Its circles grow with the shape, so to scale the shape is no remedy.
+    """
+    fractals = config.fractals
+    if config.method is not Method.FRACTALS or fractals.sizes is not CircleSizes.HURWITZ:
+        return None
+    short = METHODS[config.method](config).shortage(domain)
+    of_robots = replace(config, fractals=replace(fractals, sizes=CircleSizes.COVERAGE))
+    if short is None or METHODS[config.method](of_robots).shortage(domain) is not None:
+        return None
+    return (
+        f"circle {short.placed + 1} of {len(domain.radii)} found no room: the circles of the Hurwitz rule (exponent"
+        f" {fractals.exponent:g}, shift {fractals.shift:g}) grow with the shape, so scaling it does not help; lower"
+        " partition.fractals.exponent, raise partition.fractals.shift, take another seed, or set"
+        f" partition.fractals.sizes to {CircleSizes.COVERAGE.value}"
     )
 
 

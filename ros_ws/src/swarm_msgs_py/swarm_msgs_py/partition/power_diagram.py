@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.spatial import ConvexHull
 
@@ -9,7 +11,7 @@ from swarm_msgs_py.types import FloatArray, IntArray
 
 FLAT = 1e-12  # triangles with less area than this share of the mean are rounding, and their power center is nowhere
 # Auxiliary sites around all others, so that every cell has an end: directions of a triangle.
-_AROUND = np.array([[1.0, 0.0], [-0.5, 0.75**0.5], [-0.5, -(0.75**0.5)]])
+_AROUND = np.array([[1.0, 0.0], [-0.5, math.sqrt(0.75)], [-0.5, -math.sqrt(0.75)]])
 
 
 class PowerDiagram:

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from swarm_msgs_py.partition.rounding import on_grid
 from swarm_msgs_py.types import FloatArray
 
-GRID = 2.0**20  # points are rounded to this many parts of a meter after every step
 MEMORY = 7  # steps from which the curvature is estimated
 DECREASE = 1e-4  # share of the expected decrease that a step must bring (Armijo)
 CURVATURE_MIN = 1e-10  # a step along which the slope hardly changes says nothing about curvature
@@ -52,7 +52,7 @@ def minimize(
     .. [2] Y. Liu et al., "On centroidal Voronoi tessellation - energy smoothness and fast computation", ACM
        Transactions on Graphics 28(4), 2009.
     """
-    points = np.rint(GRID * start) / GRID
+    points = on_grid(start)
     value, gradient = function(points)
     memory: deque[tuple[FloatArray, FloatArray, float]] = deque(maxlen=MEMORY)
     for _ in range(steps_max):
@@ -64,7 +64,7 @@ def minimize(
         slope = _dot(gradient, step)
         share = 1.0
         for _ in range(HALVINGS):
-            moved = np.rint(GRID * (points + share * step)) / GRID
+            moved = on_grid(points + share * step)
             new_value, new_gradient = function(moved)
             if new_value <= value + DECREASE * share * slope:
                 break

@@ -26,9 +26,21 @@ class PaceConfig(Config):
     """How fast ticks follow each other."""
 
     real_time: bool = setting(False, "pace ticks by the wall clock and wait for nobody")
-    deadline_s: float = setting(5.0, "wall time after which a node without an answer is silent", unit="s", above=0.0)
+    deadline_s: float = setting(
+        5.0,
+        "wall time after which a node without an answer is silent; in lockstep it stands still while a node "
+        "that is waited for is known to compute",
+        unit="s",
+        above=0.0,
+    )
     first_deadline_s: float = setting(30.0, "the same in the first ticks, in which plans are made", unit="s", above=0.0)
     first_ticks: int = setting(10, "how many ticks the longer deadline holds", minimum=0)
+    computing_limit_s: float = setting(
+        120.0,
+        "CPU time without an answer from anybody after which a node that computes is taken for one that hangs",
+        unit="s",
+        above=0.0,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +74,16 @@ class SteppedWorld(Protocol):
     @property
     def tick(self) -> int:
         """Number of the current tick."""
+        ...
+
+    @property
+    def missing(self) -> tuple[NodeId, ...]:
+        """Who is still waited for in this tick."""
+        ...
+
+    @property
+    def is_deserted(self) -> bool:
+        """Whether the whole swarm is silent, so that there is nobody to wait for."""
         ...
 
     def begin(self) -> None:
@@ -100,6 +122,13 @@ class Overseer(Protocol):
         """Return the nodes whose processes have died since the last call."""
         ...
 
+    def computing_s(self, node: NodeId) -> float | None:
+        """Return the CPU time that a node's process has used [s] if it computes at this moment.
+
+        None if it does not, or if that is not known.
+        """
+        ...
+
     def report(self, result: TickResult) -> None:
         """Take in a tick that has run."""
         ...
@@ -122,6 +151,7 @@ class Lockstep:
         self._lost: set[NodeId] = set()
         self._began: float | None = None  # when the last tick began, for pacing
         self._alerts: list[str] = []
+        self._was_deserted = False
 
     def run(self) -> None:
         """Run until the overseer, or ROS, says that it is over."""
@@ -142,7 +172,11 @@ class Lockstep:
         for node in self._world.take_died():
             self._lost.add(node)
             self._alerts.append(death_line(node))
-        self._await_answers(start)
+        if self._pace.real_time:
+            self._await_answers_until(start + ANSWER_SHARE * self._world.period_s)
+        else:
+            self._await_answers()
+            self._linger(start)
         for robot in self._world.take_killed():
             self._lost.add(robot)
             self._alerts.append(f"{namespace_of(robot)} was killed by the operator")
@@ -178,20 +212,68 @@ class Lockstep:
         self._began = max(due, now - self._world.period_s)
         return self._began
 
-    def _await_answers(self, start: float) -> None:
+    def _await_answers_until(self, deadline: float) -> None:
         """Run callbacks until all have answered, the deadline has passed or it is over."""
-        if self._pace.real_time:
-            deadline = start + ANSWER_SHARE * self._world.period_s
-        elif self._world.tick < self._pace.first_ticks:
-            deadline = start + self._pace.first_deadline_s
-        else:
-            deadline = start + self._pace.deadline_s
         while not self._world.answered.done() and not self._is_over():
             left = deadline - time.monotonic()
             if left <= 0.0:
                 return
             spin_for(self._executor, min(SLICE_S, left), self._world.answered)
             self._bury_fallen()
+
+    def _await_answers(self) -> None:
+        """Run callbacks until all have answered, the deadline of those who do not compute has passed, or it is over.
+
+        How long a step takes must not decide what happens in simulated time, or equal seeds would give unequal runs. So
+        the deadline is one for nodes that sleep, are stopped or have lost a message: while anybody who is waited for
+        computes, it stands still.
+        """
+        left = self._pace.first_deadline_s if self._world.tick < self._pace.first_ticks else self._pace.deadline_s
+        diligence = _Diligence(self._overseer, self._pace.computing_limit_s)
+        while left > 0.0 and not self._world.answered.done() and not self._is_over():
+            began, slice_s = time.monotonic(), min(SLICE_S, left)
+            spin_for(self._executor, slice_s, self._world.answered)
+            self._bury_fallen()
+            if not diligence.is_any_computing(self._world.missing):
+                left -= min(time.monotonic() - began, slice_s)  # not more: if this process was stopped, nobody was late
+
+    def _linger(self, start: float) -> None:
+        """If there is nobody to wait for, let the tick take its time, lest the world race on under robots that stand.
+
+        Ends early as soon as somebody is heard again.
+        """
+        if self._world.is_deserted and not self._was_deserted:
+            period = f"{self._world.period_s:g} s"
+            self._alerts.append(f"the whole swarm is silent; until somebody answers, ticks take {period} of wall time")
+        self._was_deserted = self._world.is_deserted
+        left = start + self._world.period_s - time.monotonic()
+        while self._world.is_deserted and left > 0.0 and not self._is_over():
+            spin_for(self._executor, min(SLICE_S, left))
+            self._bury_fallen()
+            left = start + self._world.period_s - time.monotonic()
+
+
+class _Diligence:
+    """Tells who computes from who runs in circles, in one tick.
+
+    The measure is CPU time, so that a crowded machine condemns nobody, and it begins anew with every answer, for the
+    nodes of one process compute one after the other.
+    """
+
+    def __init__(self, overseer: Overseer, limit_s: float) -> None:
+        self._overseer, self._limit_s = overseer, limit_s
+        self._missing: tuple[NodeId, ...] = ()
+        self._before: dict[NodeId, float] = {}
+
+    def is_any_computing(self, missing: tuple[NodeId, ...]) -> bool:
+        """Return whether any of those who are waited for computes, and has not done so for too long."""
+        if missing != self._missing:
+            self._missing, self._before = missing, {}
+        for node in missing:
+            used_s = self._overseer.computing_s(node)
+            if used_s is not None and used_s - self._before.setdefault(node, used_s) < self._limit_s:
+                return True
+        return False
 
 
 def _named(nodes: tuple[NodeId, ...]) -> str:

@@ -105,6 +105,11 @@ class WorldNode(Node):
         """Who has not answered the current tick yet."""
         return self._book.missing
 
+    @property
+    def is_deserted(self) -> bool:
+        """Whether the whole swarm is silent, so that there is nobody to wait for."""
+        return self._book.is_deserted
+
     def begin(self) -> None:
         """Publish everything that belongs to the current tick."""
         seen = self._simulation.observe()
@@ -211,6 +216,9 @@ class _Unattended:
 
     def fallen(self) -> Iterable[NodeId]:
         return ()
+
+    def computing_s(self, node: NodeId) -> float | None:  # noqa: ARG002 - its process may be on another machine
+        return None
 
     def report(self, result: TickResult) -> None:
         for alert in result.alerts:

@@ -1,0 +1,113 @@
+"""Every benchmark from command line to table, as small as it can be made: what it measures may have moved on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import assignment
+import bench_agent
+import bench_forces
+import bench_mesh
+import bench_world
+import force_formations
+import formation
+import mesh_delivery
+import moving_shapes
+import partition_quality
+import pytest
+import robustness
+from source_tree import ROOT
+
+PARTS = {"drawing", "result_file", "robustness_report", "robustness_watch", "tables"}
+"""What is no benchmark by itself."""
+RUN_HERE = (
+    *(assignment, bench_agent, bench_forces, bench_mesh, bench_world, force_formations, formation, mesh_delivery),
+    *(moving_shapes, partition_quality, robustness),
+)
+
+
+def test_assignment_compares_both_objectives(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(assignment, "SHAPES", ("formation_4",))
+
+    assert assignment.main(["--seeds", "1"]) == 0
+    assert "| formation_4 | 1 |" in capsys.readouterr().out
+
+
+def test_agent_is_timed_by_parts(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    bench_agent.main(["--scenario", "smoke-4", "--ticks", "5", "--figure", str(tmp_path / "agent.png")])
+
+    assert "| agent: the whole step | 4.0 |" in capsys.readouterr().out
+    assert (tmp_path / "agent.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_forces_are_timed(capsys: pytest.CaptureFixture[str]) -> None:
+    bench_forces.main(1)
+
+    assert "| all five forces |" in capsys.readouterr().out
+
+
+def test_mesh_is_timed(capsys: pytest.CaptureFixture[str]) -> None:
+    bench_mesh.main(4, 5)
+
+    assert capsys.readouterr().out
+
+
+def test_world_is_timed_on_both_back_ends(capsys: pytest.CaptureFixture[str]) -> None:
+    bench_world.main((4,), 2)
+
+    assert [line.split()[:2] for line in capsys.readouterr().out.splitlines()[1:]] == [
+        ["bullet", "4"],
+        ["massdamper", "4"],
+    ]
+
+
+def test_forces_form_a_shape(capsys: pytest.CaptureFixture[str]) -> None:
+    force_formations.main(["--law", "forces", "--shapes", "formation_1", "--seeds", "1", "--deadline", "10"])
+
+    assert "| forces | formation_1 | 0/1 |" in capsys.readouterr().out
+
+
+def test_formation_is_run_as_a_user_would(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(formation, "SPEED_CASES", formation.SPEED_CASES[-1:])
+
+    assert formation.main(["--scenario", "smoke-4", "--seeds", "1", "--table", "speed"]) == 0
+    assert "| in-process, mass-damper |" in capsys.readouterr().out
+
+
+def test_delivery_is_counted(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mesh_delivery, "ARENAS", ("open",))
+    monkeypatch.setattr(mesh_delivery, "LOSSES", (0.0,))
+
+    assert mesh_delivery.main(["--seeds", "1", "--robots", "5", "--processes", "1"]) in {0, 1}
+    assert "open" in capsys.readouterr().out
+
+
+def test_moving_shapes_are_followed(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    square = tmp_path / "square.json"
+    square.write_text("[[-1, -1], [1, -1], [1, 1], [-1, 1]]")
+    monkeypatch.setitem(moving_shapes.MOTIONS, "short", (str(square), "{scale: 1.1, over_s: 5.0}"))
+    words = ["--scenario", "smoke-4", "--methods", "voronoi", "--motions", "short", "--seeds", "1"]
+
+    assert moving_shapes.main([*words, "--out", str(tmp_path / "runs.jsonl")]) == 0
+    assert "| short | voronoi | 1 | 1 | 0 |" in capsys.readouterr().out
+
+
+def test_partitions_are_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    assert partition_quality.main(["--shapes", "formation_1", "--turns", "1", "--seeds", "1"]) == 0
+    assert "| formation_1 | (random points) |" in capsys.readouterr().out
+
+
+def test_robustness_is_watched(capsys: pytest.CaptureFixture[str]) -> None:
+    assert robustness.main(["split", "--seeds", "1", "--processes", "1", "--set", "duration_s=2"]) == 1
+    assert "| split and merge | 1 | 0 | 0 |" in capsys.readouterr().out
+
+
+def test_no_benchmark_is_left_out() -> None:
+    run_here = {each.__name__ for each in RUN_HERE}
+    files = {path.stem for path in (ROOT / "benchmarks").glob("*.py")}
+
+    assert run_here == files - PARTS
