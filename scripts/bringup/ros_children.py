@@ -25,9 +25,10 @@ from bringup.telemetry import (
 )
 from mission_computer.ros.mission_node import MissionNode
 from swarm_agent.ros.agent_node import AgentNode
-from swarm_msgs_py import partition, topics
+from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.report import AgentReport
+from swarm_msgs_py.plan_goals import forget_goals
 from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.parameters import declare_config
 from swarm_msgs_py.ros.spin import LEAN, is_matched, spin_for, spin_until, started
@@ -155,7 +156,7 @@ def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
 
 def run_mission(link: Link, actors: Actors) -> None:
     """Be the mission computer until told to stop."""
-    partition.forget()
+    forget_goals()
     supervision = Supervision(link)
     with started() as executor:
 
@@ -232,7 +233,7 @@ def run_agents(
     is_lean : bool
         Whether the nodes go without parameter services and log topic.
     """
-    partition.forget()  # a forked process would have the goals before it has heard of a plan
+    forget_goals()  # a forked process would have the goals before it has heard of a plan
     supervision, reporter = Supervision(link), Reporter(link, agents)
     with started() as executor:
         host = AgentHost(link, executor, reporter)

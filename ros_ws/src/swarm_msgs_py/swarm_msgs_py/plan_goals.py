@@ -12,14 +12,21 @@ from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.geometry.correspondence import CORNERS_MAX
 from swarm_msgs_py.geometry.morphing import GEOMETRY_ERRORS, is_contour, morph_between
 from swarm_msgs_py.messages.bodies import Motion, Plan, Task
-from swarm_msgs_py.partition import GoalSet, PartitionConfig, partition
+from swarm_msgs_py.partition import GoalSet, PartitionConfig, forget, partition
 from swarm_msgs_py.partition.moving import track
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
 
 _CM_PER_M = 100.0
 
-__all__ = ["GEOMETRY_ERRORS", "completed", "goals_crc", "is_contour"]
+__all__ = ["GEOMETRY_ERRORS", "completed", "forget_goals", "goals_crc", "is_contour"]
+
+
+def forget_goals() -> None:
+    """Forget all goals that this process has found, so that it finds them itself if another one left it a copy."""
+    _completed.cache_clear()
+    _track.cache_clear()
+    forget()
 
 
 def completed(plan: Plan, config: PartitionConfig) -> Plan:
