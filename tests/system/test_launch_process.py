@@ -83,5 +83,5 @@ def test_help_names_scenarios_and_exit_codes(tmp_path: Path) -> None:
     out, _ = process.communicate(timeout=START_S)
 
     assert process.returncode == 0
-    assert "demo, formation-50, formation-50-ideal, smoke-4" in " ".join(out.split())
+    assert "demo, formation-50, formation-50-ideal, morph-50, sequence-50, smoke-4" in " ".join(out.split())
     assert "130: interrupted" in " ".join(out.split())
