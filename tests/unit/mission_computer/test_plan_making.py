@@ -161,7 +161,7 @@ def test_bodies_that_leave_too_little_room_are_an_error_and_change_nothing() -> 
     with pytest.raises(ShapeError, match="obstacles in or beside the shape leave too little room"):
         maker.for_members(2, [dead(7, np.array([1.4, 1.0]), robot_type=3)])
 
-    # In so tight a shape goals that were rounded to a micrometer are pushed apart by less than that; plans say centimeters.
+    # In so tight a shape goals rounded to a micrometer are pushed apart by less than that; plans say centimeters.
     np.testing.assert_allclose(maker.for_members(3, ()).goals, first.goals, rtol=0.0, atol=1e-6)
 
 
