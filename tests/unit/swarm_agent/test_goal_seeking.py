@@ -7,19 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from builders import PERIOD, make_plan
+from deciding import goal_seeking
 from numpy.testing import assert_array_equal
 
 from swarm_agent.decision.assignment import assign
 from swarm_agent.decision.config import DecisionConfig
-from swarm_agent.decision.consensus import Consensus
-from swarm_agent.decision.goal_seeking import GoalSeeking
-from swarm_agent.energy import EnergyConfig, EnergyStore
-from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.bodies import UNREACHABLE, CostRow
 from swarm_msgs_py.messages.report import Mode
-from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.networking.mesh import MeshNetwork
-from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.types import MISSION, FloatArray, IntArray, NodeId
 
 ME = NodeId(1)
@@ -33,20 +28,7 @@ class Mind:
     """The decision of robot 1, without a body."""
 
     def __init__(self) -> None:
-        mesh = MeshNetwork(ME, NetworkConfig(), PERIOD)
-        mesh.receive(0, ())
-        self.consensus = Consensus(ME, 1, CONFIG, PERIOD)
-        self.strategy = GoalSeeking(
-            ME,
-            THESIS_TYPES[0],
-            config=CONFIG,
-            planning=PlanningConfig(),
-            mesh=mesh,
-            consensus=self.consensus,
-            energy=EnergyStore(EnergyConfig(), PERIOD),
-            obstacles=(),
-            period_s=PERIOD,
-        )
+        self.consensus, self.strategy = goal_seeking(ME, CONFIG, PERIOD)
 
     def hear_row(self, robot: int, costs: list[int], version: int = 1) -> None:
         self.consensus.book.put(CostRow(1, NodeId(robot), 1, version, np.array(costs)))

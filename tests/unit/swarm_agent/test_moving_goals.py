@@ -7,16 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from builders import PERIOD, make_plan
+from deciding import goal_seeking
 from numpy.testing import assert_allclose, assert_array_equal
 
 from swarm_agent.control.config import ControlConfig
 from swarm_agent.control.path_follower import PathFollower
 from swarm_agent.decision.config import DecisionConfig
 from swarm_agent.decision.consensus import Consensus
-from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.path_costs import PathCosts
 from swarm_agent.decision.rows import RowBook
-from swarm_agent.energy import EnergyConfig, EnergyStore
 from swarm_agent.planning.config import PlanningConfig
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.body_codec import encode_body
@@ -122,21 +121,7 @@ class Mind:
     """The decision of robot 1, without a body; another robot has the first goal."""
 
     def __init__(self) -> None:
-        mesh = MeshNetwork(ME, NetworkConfig(), PERIOD)
-        mesh.receive(0, ())
-        config = DecisionConfig()
-        self.consensus = Consensus(ME, 1, config, PERIOD)
-        self.strategy = GoalSeeking(
-            ME,
-            THESIS_TYPES[0],
-            config=config,
-            planning=PlanningConfig(),
-            mesh=mesh,
-            consensus=self.consensus,
-            energy=EnergyStore(EnergyConfig(), PERIOD),
-            obstacles=(),
-            period_s=PERIOD,
-        )
+        self.consensus, self.strategy = goal_seeking(ME, DecisionConfig(), PERIOD)
         self.consensus.book.adopt(make_plan(GOALS))
         self.consensus.book.put(row(OTHER, 1, [100, 900]))
         for tick in range(2):
