@@ -16,13 +16,15 @@ import moving_shapes
 import partition_quality
 import pytest
 import robustness
+import thesis_comparison
+from small_batch import batch
 from source_tree import ROOT
 
 PARTS = {"drawing", "result_file", "robustness_report", "robustness_watch", "tables"}
 """What is no benchmark by itself."""
 RUN_HERE = (
     *(assignment, bench_agent, bench_forces, bench_mesh, bench_world, force_formations, formation, mesh_delivery),
-    *(moving_shapes, partition_quality, robustness),
+    *(moving_shapes, partition_quality, robustness, thesis_comparison),
 )
 
 
@@ -104,6 +106,14 @@ def test_partitions_are_compared(capsys: pytest.CaptureFixture[str]) -> None:
 def test_robustness_is_watched(capsys: pytest.CaptureFixture[str]) -> None:
     assert robustness.main(["split", "--seeds", "1", "--processes", "1", "--set", "duration_s=2"]) == 1
     assert "| split and merge | 1 | 0 | 0 |" in capsys.readouterr().out
+
+
+def test_a_batch_is_set_beside_the_thesis(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    batch(tmp_path, "--seeds", "2")
+    capsys.readouterr()
+
+    assert thesis_comparison.main([str(tmp_path)]) == 0
+    assert "| fractals | displacement |" in capsys.readouterr().out
 
 
 def test_no_benchmark_is_left_out() -> None:

@@ -89,7 +89,7 @@ class _Polygons:
         return isinstance(other, _Polygons) and self._content == other._content
 
 
-@lru_cache(maxsize=8)  # the check before a run and the plan in its first tick are of one shape
+@lru_cache(maxsize=64)  # checks and first plans are of one shape; batches take methods and shapes in turn
 def _partition(polygons: _Polygons, roster: Roster, config: PartitionConfig) -> GoalSet:
     shape, *obstacles = polygons.arrays
     method = METHODS[config.method](config)
