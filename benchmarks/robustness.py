@@ -195,7 +195,7 @@ def run(task: Task) -> Record:
     engine = _engine(task, actors)
     with engine:
         for record in engine.ticks():
-            recorder.record(record.truth, record.reports)
+            recorder.record(record.truth, record.reports, record.camera)
             watch.take(record)
             ended = supervisor.watch(record)
             if ended is not None:

@@ -23,7 +23,8 @@ from source_tree import (
     script_modules,
 )
 
-PYBULLET_HOME = "swarm_sim.world.pybullet_world"
+PYBULLET_HOME = "swarm_sim.bullet"
+PYBULLET_USERS = {"swarm_sim.world.pybullet_world", "swarm_sim.camera.bullet_painter"}
 RANDOMNESS_HOME = "swarm_msgs_py.randomness"  # where named random streams are derived
 CLOCKS = ("time", "datetime")  # simulated time arrives as an argument
 GENERATORS = {"Generator", "SeedSequence", "PCG64", "BitGenerator"}
@@ -75,7 +76,7 @@ def test_the_core_of_a_package_does_not_import_its_ros_adapters(package: str) ->
     )
 
 
-def test_pybullet_is_imported_only_by_its_world() -> None:
+def test_pybullet_is_used_only_by_its_world_and_by_its_camera() -> None:
     everywhere = [*package_modules().values(), *script_modules().values()]
     assert_none(
         f"{module.place} imports pybullet"
@@ -83,6 +84,11 @@ def test_pybullet_is_imported_only_by_its_world() -> None:
         if module.name != PYBULLET_HOME
         for name in imported_packages(module)
         if name.startswith("pybullet")
+    )
+    assert_none(
+        f"{module.place} imports {PYBULLET_HOME}"
+        for module in everywhere
+        if module.name not in PYBULLET_USERS and PYBULLET_HOME in imports(module)
     )
 
 

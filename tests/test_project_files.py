@@ -28,6 +28,7 @@ REQUIREMENTS = sorted((ROOT / "requirements").glob("*.txt"))
 PIN = re.compile(r"[a-z0-9][a-z0-9-]*==[0-9][0-9a-z.]*")
 
 ROSDEP_KEYS = {
+    "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",
     "numpy": "python3-numpy",
     "pybullet": "python3-pybullet-pip",
@@ -37,7 +38,7 @@ ROSDEP_KEYS = {
 }
 """Name to import -> key in the rosdep database."""
 
-INDEX_NAMES = {"yaml": "PyYAML"}
+INDEX_NAMES = {"cv2": "opencv-python-headless", "yaml": "PyYAML"}
 """Name to import -> name on the package index, where they differ."""
 
 

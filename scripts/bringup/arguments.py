@@ -55,6 +55,8 @@ class Arguments:
         Folder for the results, None for a new one under ``runs/``.
     json : bool
         Print the metrics, and nothing else, on standard output.
+    show : bool
+        Film what the overhead camera sees.
     """
 
     scenario: str
@@ -64,6 +66,7 @@ class Arguments:
     real_time: bool
     out: Path | None
     json: bool
+    show: bool = False
 
 
 def parse_arguments(argv: Sequence[str]) -> Arguments:
@@ -91,6 +94,7 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
         real_time=given.real_time,
         out=given.out,
         json=given.json,
+        show=given.show,
     )
 
 
@@ -116,6 +120,7 @@ def _make_parser() -> argparse.ArgumentParser:
     add("--agents-per-process", metavar="K", type=whole(1, 1000), help="agent nodes in one operating-system process")
     add("--real-time", action="store_true", help="pace ticks by the wall clock")
     add("--record", action="store_true", help="record all topics (not in this version)")
+    add("--show", action="store_true", help="film what the overhead camera sees, as camera.mp4 in the run's folder")
     add("--out", metavar="DIR", type=folder, help="new or empty folder (default: runs/<time>-<scenario>-<seed>)")
     add("--json", action="store_true", help="print the metrics, and nothing else, on standard output")
     add("--set", metavar="KEY=VALUE", action="append", default=[],

@@ -17,6 +17,7 @@ from rich.console import Console
 from bringup.arguments import Arguments, EngineKind, parse_arguments
 from bringup.compose import ScenarioActors
 from bringup.engine import Engine
+from bringup.filming import FILM, FilmOrder
 from bringup.inprocess import InProcessEngine
 from bringup.installation import check_physics
 from bringup.interruption import Interruption
@@ -63,9 +64,10 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
         scenario, origin = load_scenario(arguments.scenario, arguments.overrides)
         _check_installation(arguments, scenario)
         scenario = resolve(scenario, origin)
-        engine = _make_engine(arguments, ScenarioActors(scenario))
+        actors = ScenarioActors(scenario)
     folder = RunFolder(arguments.out) if arguments.out is not None else reserve_default(scenario, RUNS)
     try:
+        engine = _make_engine(arguments, actors, folder)
         with Progress(console, scenario.robots.count) as progress:
             progress.say(
                 f"{scenario.name}: {scenario.robots.count} robots, seed {scenario.seed}, {arguments.engine.value}"
@@ -100,12 +102,16 @@ def _check_installation(arguments: Arguments, scenario: Scenario) -> None:
         raise ConfigError(
             "--engine ros: rclpy is not installed; run `make`, or source ROS 2, or use --engine inprocess"
         )
+    if arguments.show and not scenario.sim.camera.is_on:
+        raise ConfigError(f"--show: scenario '{scenario.name}' has no camera (sim.camera.is_on); leave the option out")
     check_physics(scenario)
 
 
-def _make_engine(arguments: Arguments, actors: ScenarioActors) -> Engine:
+def _make_engine(arguments: Arguments, actors: ScenarioActors, folder: RunFolder) -> Engine:
+    rate_hz = actors.scenario.sim.camera.rate_hz
+    film = FilmOrder(folder.path / FILM, rate_hz) if arguments.show else None
     if arguments.engine is EngineKind.INPROCESS:
-        return InProcessEngine(actors, real_time=arguments.real_time)
+        return InProcessEngine(actors, real_time=arguments.real_time, film=film)
     # Imported on demand: everything else must work where ROS is not installed.
     try:
         module = import_module("bringup.ros_engine")
@@ -114,7 +120,7 @@ def _make_engine(arguments: Arguments, actors: ScenarioActors) -> Engine:
             f"--engine ros: ROS 2 cannot be loaded ({error}); mend it or use --engine inprocess"
         ) from None
     engine: Engine = module.RosEngine(
-        actors, agents_per_process=arguments.agents_per_process, real_time=arguments.real_time
+        actors, agents_per_process=arguments.agents_per_process, real_time=arguments.real_time, film=film
     )
     return engine
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from bringup.layout import make_scene, rally_point, robot_types, told_start
+from bringup.layout import make_scene, markers, rally_point, robot_types, told_start
 from bringup.resolution import contour_of, network_of, stages_of
 from bringup.scenario import Scenario
+from bringup.staging import heading_of
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
 from swarm_agent.agent import Agent
@@ -107,6 +108,8 @@ class ScenarioActors:
             self.period_s,
             self.scene.bounds,
             stages_of(self.scenario),
+            markers(self.scenario),
+            heading_of(self.scenario.shape),
         )
 
     def agent(self, robot: NodeId) -> Agent:

@@ -12,6 +12,8 @@ from typing import Protocol
 
 from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.camera import ImageArray
+from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.report import AgentReport, MissionReport
 from swarm_msgs_py.step_io import AgentInputs, AgentOutputs, MissionInputs, MissionOutputs
 from swarm_msgs_py.types import NodeId
@@ -29,8 +31,17 @@ class AgentActor(Protocol):
 class MissionActor(Protocol):
     """The mission computer."""
 
+    @property
+    def has_camera(self) -> bool:
+        """Whether it looks at the robots from above."""
+        ...
+
     def step(self, inputs: MissionInputs) -> MissionOutputs:
         """Advance by one tick."""
+        ...
+
+    def picture(self) -> ImageArray | None:
+        """Return the last image with what was read out of it; None if there was none."""
         ...
 
 
@@ -102,6 +113,11 @@ class TickRecord:
     plan: Plan | None
     alerts: tuple[str, ...] = ()
     lost: frozenset[NodeId] = field(default_factory=frozenset)
+
+    @property
+    def camera(self) -> CameraReport | None:
+        """What the image of this tick told; None if there was none."""
+        return None if self.mission is None else self.mission.camera
 
 
 class Engine(Protocol):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from threading import Event
 
 from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
+from bringup.filming import FilmOrder, filming
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.simulation import Simulation, death_line
 
@@ -19,10 +21,14 @@ class InProcessEngine:
     actors : Actors
     real_time : bool
         Start ticks no faster than the wall clock.
+    film : FilmOrder or None
+        That what the mission computer sees is to be filmed.
     """
 
-    def __init__(self, actors: Actors, *, real_time: bool = False) -> None:
+    def __init__(self, actors: Actors, *, real_time: bool = False, film: FilmOrder | None = None) -> None:
         self._actors = actors
+        self._open = ExitStack()
+        self._film = self._open.enter_context(filming(film))
         self._real_time = real_time
         self._simulation: Simulation | None = None
         self._mission: MissionActor | None = None
@@ -40,7 +46,8 @@ class InProcessEngine:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Close the world."""
+        """Close the world, and the film."""
+        self._open.close()
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None
@@ -69,6 +76,8 @@ class InProcessEngine:
         died = simulation.take_died()
         self._dead |= frozenset(died)
         orders = None if MISSION in self._dead else mission.step(seen.mission)
+        if orders is not None:
+            self._film.take(mission, orders)
         outputs = {robot: self._agents[robot].step(inputs) for robot, inputs in sorted(seen.agents.items())}
         simulation.apply(
             {robot: output.command for robot, output in outputs.items()},

@@ -9,6 +9,7 @@ import shapely
 
 from bringup.scenario import Scenario, rescaled_counts
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.markers import CoverMarker
 from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.robots import RobotType
@@ -22,6 +23,14 @@ BATCH, BATCHES = 20, 200  # 4000 points are tried for one robot: if one in a tho
 def robot_types(scenario: Scenario) -> tuple[RobotType, ...]:
     """Return the type of each robot, in the order of robot ids."""
     return tuple(group.robot_type() for group in scenario.robots.types for _ in range(group.count))
+
+
+def markers(scenario: Scenario) -> tuple[CoverMarker, ...]:
+    """Return by what the overhead camera knows each robot, in the order of robot ids; none if there is no camera."""
+    if not scenario.sim.camera.is_on:
+        return ()
+    worn = [(group.coverage_radius_m, color) for group in scenario.robots.types for color in group.colors]
+    return tuple(CoverMarker(robot=NodeId(robot), color=color, radius=r) for robot, (r, color) in enumerate(worn))
 
 
 def rally_point(scenario: Scenario) -> tuple[float, float]:
@@ -83,7 +92,7 @@ def make_scene(scenario: Scenario) -> Scene:
         )
         for robot, kind in enumerate(types)
     )
-    scene = Scene(robots, obstacles, bounds, scenario.mission.position_m)
+    scene = Scene(robots, obstacles, bounds, scenario.mission.position_m, markers(scenario))
     check_scene(scene)
     return scene
 

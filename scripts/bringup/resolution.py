@@ -12,6 +12,7 @@ from pathlib import Path
 import shapely
 
 from bringup.cross_checks import (
+    check_camera,
     check_events,
     check_margins,
     check_rally_point,
@@ -24,7 +25,7 @@ from bringup.layout import make_scene, robot_types, walls
 from bringup.scenario import MapSpec, Scenario
 from bringup.scenario_file import Origin
 from bringup.shape_specs import ShapeSpec, StageSpec
-from bringup.staging import Staging, check_time, stage_of, stage_plan, written_stage
+from bringup.staging import Staging, check_time, stage_of, stage_plan, written_shape, written_stage
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
 from mission_computer.stages import Stage
@@ -56,6 +57,8 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         check_size(scenario.map.bounds_m)
     with _blamed(origin, "events"):
         check_events(scenario)
+    with _blamed(origin, "sim.camera"):
+        check_camera(scenario)
     with _blamed(origin, "mission.partition.gaps"):
         check_margins(scenario)
     with _blamed(origin, "sim.radio"):
@@ -159,8 +162,7 @@ def _contour(spec: ShapeSpec) -> FloatArray:
 
 
 def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
-    points = tuple((float(x), float(y)) for x, y in contour)
-    return replace(scenario, shape=ShapeSpec(name=_shape_name(scenario.shape), points=points))
+    return replace(scenario, shape=written_shape(scenario.shape, contour, _shape_name(scenario.shape)))
 
 
 def _with_draws(scenario: Scenario) -> Scenario:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from bringup.layout import robot_types, sensor_carriers, walls
 from bringup.scenario import Scenario
-from bringup.stage_results import motion_results, stage_results
+from bringup.stage_results import Ways, motion_results, stage_results
 from bringup.supervisor import Supervisor, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
 from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import Positioning
 from swarm_msgs_py.types import BoolArray, FloatArray
+from swarm_sim.metrics.camera import heading_errors
 from swarm_sim.metrics.displacement import displacement_bound, path_lengths
 from swarm_sim.metrics.localization import LocalizationError, localization_error
 from swarm_sim.metrics.settling import Settling, settling
@@ -75,7 +77,13 @@ class FormationMetrics:
 
     The fourth group is of runs with several shapes, None in others: of shapes that move, the worst over all motions
     (spec 14.6), up to where they were cut short, ``morph_recovery_s`` None if the swarm never fitted the shape again;
-    of stages, one number each: from its order until all were at rest in it, and how far all robots drove for it.
+    of stages, one number each: from its order until all were at rest in it, how far all robots drove for it, how far
+    they had to at least, by how much the goals that they chose are farther than that, and from its order until all were
+    at their goals for good.
+
+    The fifth group is of runs under a camera, None in others: images taken; of the robots wholly in view, the share
+    that was found; fixes that are nowhere near their robot; errors of the other fixes; and, over all robots and ticks,
+    of the headings that robots believed in.
     """
 
     scenario: str
@@ -132,6 +140,19 @@ class FormationMetrics:
     morph_recovery_s: float | None = None
     stage_settling_s: tuple[float | None, ...] | None = None
     stage_displacement_m: tuple[float, ...] | None = None
+    stage_bound_m: tuple[float | None, ...] | None = None
+    stage_excess_m: tuple[float | None, ...] | None = None
+    stage_arrival_s: tuple[float | None, ...] | None = None
+
+    camera_images: int | None = None
+    camera_detected_fraction: float | None = None
+    camera_false_fixes: int | None = None
+    camera_position_rmse_m: float | None = None
+    camera_position_max_m: float | None = None
+    camera_heading_rmse_deg: float | None = None
+    camera_heading_max_deg: float | None = None
+    heading_rmse_deg: float | None = None
+    heading_max_deg: float | None = None
 
     def to_json(self) -> str:
         """Return the text of ``metrics.json``."""
@@ -198,7 +219,33 @@ def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> Form
         covered_fraction=quality.covered_fraction if quality else None,
         goals_agreed=outcome.supervisor.goal_agreement.agreed,
     )
-    return _of_several_shapes(metrics, scenario, outcome.supervisor, trace, live)
+    return _of_several_shapes(_of_camera(metrics, outcome, trace), scenario, outcome.supervisor, trace, live)
+
+
+def _of_camera(metrics: FormationMetrics, outcome: Outcome, trace: Trace) -> FormationMetrics:
+    """Return the metrics with those of the camera, if there was one."""
+    camera = outcome.recorder.camera
+    if not camera.images:
+        return metrics
+    places, headings = camera.position_errors, np.rad2deg(camera.heading_errors)
+    believed = np.rad2deg(heading_errors(trace.headings, trace.yaws)[trace.alive])
+    believed = believed[np.isfinite(believed)]
+    return replace(
+        metrics,
+        camera_images=camera.images,
+        camera_detected_fraction=camera.found / camera.in_view if camera.in_view else None,
+        camera_false_fixes=camera.false_fixes,
+        camera_position_rmse_m=_rms(places),
+        camera_position_max_m=float(places.max()) if len(places) else None,
+        camera_heading_rmse_deg=_rms(headings),
+        camera_heading_max_deg=float(np.abs(headings).max()) if len(headings) else None,
+        heading_rmse_deg=_rms(believed),
+        heading_max_deg=float(np.abs(believed).max()) if len(believed) else None,
+    )
+
+
+def _rms(errors: FloatArray) -> float | None:
+    return float(np.sqrt((errors**2).mean())) if len(errors) else None
 
 
 def _of_several_shapes(
@@ -218,11 +265,15 @@ def _of_several_shapes(
         )
     if not scenario.stages:
         return metrics
-    stages = stage_results(trace, supervisor.course, supervisor.stages, period, scenario.success)
+    ways = Ways(np.array([kind.type for kind in robot_types(scenario)], dtype=np.int64), partial(path_costs, scenario))
+    stages = stage_results(trace, supervisor.course, supervisor.stages, period, scenario.success, ways)
     return replace(
         metrics,
         stage_settling_s=tuple(stage.settling_s for stage in stages),
         stage_displacement_m=tuple(stage.displacement_m for stage in stages),
+        stage_bound_m=tuple(stage.bound_m for stage in stages),
+        stage_excess_m=tuple(stage.excess_m for stage in stages),
+        stage_arrival_s=tuple(stage.arrival_s for stage in stages),
     )
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from bringup.engine import Actors, AgentActor
+from bringup.filming import FilmOrder, filming
 from bringup.link import Link
 from bringup.process_state import computing_s
 from bringup.telemetry import (
@@ -154,16 +155,18 @@ def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
         simulation.close()
 
 
-def run_mission(link: Link, actors: Actors) -> None:
+def run_mission(link: Link, actors: Actors, film_order: FilmOrder | None = None) -> None:
     """Be the mission computer until told to stop."""
     forget_goals()
     supervision = Supervision(link)
-    with started() as executor:
+    mission = actors.mission()
+    with filming(film_order) as film, started() as executor:
 
         def report(outputs: MissionOutputs) -> None:
             link.send(MissionTick(outputs.tick, outputs.report, outputs.plan))
+            film.take(mission, outputs)
 
-        node = MissionNode(actors.mission(), actors.period_s, report, context=executor.context)
+        node = MissionNode(mission, actors.period_s, report, context=executor.context)
         _set_up(node, executor, actors.mission_config)
         if _await_partners(link, executor, [node], _lockstep_topics(()), supervision.is_over):
             spin_until(executor, supervision.is_over)
@@ -262,6 +265,7 @@ def _lockstep_topics(robots: tuple[NodeId, ...]) -> frozenset[str]:
     """Return the topics without which these robots and the mission computer cannot run."""
     per_robot = (*topics.ROBOT_SENSORS, *topics.ROBOT_ANSWERS)
     names = {channel.topic(robot) for robot in robots for channel in per_robot}
+    names |= {topics.CAMERA_IMAGE.topic(), topics.CAMERA_INFO.topic()}  # of who has a camera
     return frozenset(names | {channel.topic(MISSION) for channel in topics.MISSION_CHANNELS})
 
 

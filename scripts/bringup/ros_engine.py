@@ -12,6 +12,7 @@ from pathlib import Path
 
 from bringup.domain_guard import DomainGuard, domain_of
 from bringup.engine import Actors, AgentActor, TickRecord
+from bringup.filming import FilmOrder
 from bringup.labels import node_list
 from bringup.patience import Patience
 from bringup.process_state import computing_s
@@ -62,6 +63,8 @@ class RosEngine:
     world_deadline_s : float
         Wall time without a sign of life from the world's process after which the run ends [s]. A paused world gives
         signs of life.
+    film : FilmOrder or None
+        That what the mission computer sees is to be filmed.
 
     Attributes
     ----------
@@ -69,7 +72,7 @@ class RosEngine:
         Wall time from the start until the first tick could run [s].
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - how it is to run, and what is to be kept of it
         self,
         actors: Actors,
         *,
@@ -77,8 +80,9 @@ class RosEngine:
         real_time: bool = False,
         deadline_s: float = 5.0,
         world_deadline_s: float = 60.0,
+        film: FilmOrder | None = None,
     ) -> None:
-        self._actors = actors
+        self._actors, self._film = actors, film
         self._per_process = agents_per_process or default_agents_per_process(len(actors.robots))
         self._pace = PaceConfig(real_time=real_time, deadline_s=deadline_s)
         self._group = ProcessGroup()
@@ -183,9 +187,9 @@ class RosEngine:
         # What children would each load and compute for themselves, they inherit.
         preload()
         agents = {robot: self._make_agent(robot) for robot in sorted(self._actors.robots)}
-        actors, pace = self._actors, self._pace
+        actors, pace, film = self._actors, self._pace, self._film
         self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
-        self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors))
+        self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors, film))
         for robots in groups:
             self._group.start(node_list(robots), robots, self._host({robot: agents[robot] for robot in robots}))
         await_ready(self._group, READY_DEADLINE_S)

@@ -116,7 +116,7 @@ def _watch(  # noqa: PLR0913, PLR0917 - all that looks at a tick
 ) -> Verdict:
     began = time.monotonic()
     for record in engine.ticks():
-        recorder.record(record.truth, record.reports)
+        recorder.record(record.truth, record.reports, record.camera)
         verdict = supervisor.watch(record)
         record = replace(record, alerts=(*record.alerts, *supervisor.goal_agreement.alerts))  # noqa: PLW2901
         progress.show(record, record.truth.time + scenario.sim.period_s, supervisor.at_goal)

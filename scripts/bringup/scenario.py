@@ -13,6 +13,7 @@ from mission_computer.shape.arena import Obstacle
 from swarm_agent.config import AgentConfig
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.config import SimConfig
@@ -55,6 +56,23 @@ class RobotGroup(RobotType):
     """Robots of one type; types 1 to 3 may leave out what table 4.1 says of them."""
 
     count: int = setting(help="number of robots of this type", minimum=0, maximum=1000)
+    colors: tuple[MarkerColor, ...] = setting(
+        (), "color of the discs on the cover of each of them, by which an overhead camera knows it"
+    )
+
+    def __post_init__(self) -> None:
+        """Check that every robot has its color, if any has.
+
+        Raises
+        ------
+        ConfigError
+            If there are more or fewer.
+        """
+        RobotType.__post_init__(self)
+        if self.colors and len(self.colors) != self.count:
+            raise ConfigError(
+                f"colors names {len(self.colors)} for {self.count} robots; give one per robot, or remove it"
+            )
 
     def robot_type(self) -> RobotType:
         """Return the type alone."""
@@ -110,6 +128,9 @@ class RobotsSpec(Config):
                 raise ConfigError(f"types lists type {number} {times} times; merge them into one entry")
         if self.count == 0:
             raise ConfigError("types has no robots; set the count of at least one type to 1 or more")
+        for color, times in Counter(color for group in self.types for color in group.colors).items():
+            if times > 1:
+                raise ConfigError(f"types gives {times} robots the color {color.value}; give each its own")
         points = self.start.positions_m
         if points is not None and len(points) != self.count:
             raise ConfigError(

@@ -21,6 +21,13 @@ class ShapeSpec(Config):
     scale: float = setting(1.0, "size factor about the center of area", above=0.0, maximum=1e4)
     rotation_deg: float = setting(0.0, "turn about the center of area, counter-clockwise", unit="deg")
     translation_m: tuple[float, float] = setting((0.0, 0.0), "shift after that", unit="m")
+    heading_deg: float | None = setting(
+        None,
+        "direction that all robots face in it; null: they hold the one they have (agent.control.heading_deg)",
+        unit="deg",
+        minimum=-180.0,
+        maximum=180.0,
+    )
 
     def __post_init__(self) -> None:
         """Check that there is exactly one source of points."""

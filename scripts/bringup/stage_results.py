@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from bringup.scenario import SuccessSpec
+from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.plan_course import Course
 from swarm_msgs_py.plan_motion import contour_at
-from swarm_msgs_py.types import BoolArray, FloatArray
-from swarm_sim.metrics.displacement import path_lengths
+from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
+from swarm_sim.metrics.displacement import displacement_bound, path_lengths
 from swarm_sim.metrics.morphing import MorphMetrics, morph_metrics
 from swarm_sim.metrics.settling import settling
 from swarm_sim.metrics.trace import Trace
@@ -54,11 +55,38 @@ class StageResults:
     settling_s : float or None
         From its order until all were at rest in it, up to the next order [s]; None if they never were.
     displacement_m : float
-        How far all robots together drove until then [m].
+        How far all robots together drove until then, or to the end where they were not [m].
+    bound_m : float or None
+        How far they had to drive at least from where they stood when it was ordered [m]; None without goals, or if
+        robots died.
+    excess_m : float or None
+        By how much the paths to the goals that the robots chose are longer, all together [m]: 0 if no exchange between
+        robots of a type would have been shorter.
+    arrival_s : float or None
+        From its order until all were at their goals for good [s]; None if they never were, or there are none.
     """
 
     settling_s: float | None
     displacement_m: float
+    bound_m: float | None = None
+    excess_m: float | None = None
+    arrival_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ways:
+    """What it costs robots to get to goals.
+
+    Attributes
+    ----------
+    types : (n,) int array
+        Of the robots.
+    costs : callable
+        Returns the shortest paths (n, g) from start points (n, 2) to the goals of a plan [m].
+    """
+
+    types: IntArray
+    costs: Callable[[FloatArray, Plan], FloatArray]
 
 
 def motion_results(trace: Trace, course: Course, period_s: float, live: BoolArray) -> MotionResults | None:
@@ -120,8 +148,13 @@ def _motions(trace: Trace, course: Course, period_s: float, live: BoolArray) -> 
         yield evaluated, 1.0 if ends_s <= cut_s + MOMENT else (cut_s - begins_s) / (ends_s - begins_s)
 
 
-def stage_results(
-    trace: Trace, course: Course, ordered: list[int], period_s: float, success: SuccessSpec
+def stage_results(  # noqa: PLR0913, PLR0917 - the record, and what it is measured by
+    trace: Trace,
+    course: Course,
+    ordered: list[int],
+    period_s: float,
+    success: SuccessSpec,
+    ways: Ways | None = None,
 ) -> tuple[StageResults, ...]:
     """Evaluate each shape of a run, in their order.
 
@@ -135,10 +168,50 @@ def stage_results(
     period_s : float
         Duration of a tick [s].
     success : SuccessSpec
-        What counts as at rest.
+        What counts as at rest, and as at the goal.
+    ways : Ways or None
+        None: what the goals cost is not asked.
     """
-    ticks = pairwise([*ordered, len(trace.tick_times)])
-    return tuple(_stage(trace, course, window, period_s, success) for window in ticks)
+    stages = []
+    for window in pairwise([*ordered, len(trace.tick_times)]):
+        rest = _stage(trace, course, window, period_s, success)
+        if window[0] < window[1]:
+            plan = course.at(window[1] - 1)
+            if ways is not None:
+                rest = _with_choice(rest, trace, plan, window, ways)
+            rest = replace(rest, arrival_s=_arrival(trace, plan, window, period_s, success.goal_tolerance_m))
+        stages.append(rest)
+    return tuple(stages)
+
+
+def _with_choice(rest: StageResults, trace: Trace, plan: Plan, ticks: tuple[int, int], ways: Ways) -> StageResults:
+    """Return the results with what the goals cost that the robots chose, and the cheapest choice."""
+    if not plan.task.has_goals or plan.motion is not None or not trace.alive[ticks[1] - 1].all():
+        return rest
+    costs = ways.costs(trace.tick_positions[ticks[0]], plan)
+    bound = displacement_bound(costs, ways.types, plan.goal_types)
+    if bound is None:
+        return rest
+    chosen = trace.goals[ticks[1] - 1]
+    if ((chosen < 0) | (chosen >= len(plan.goals))).any():
+        return replace(rest, bound_m=bound.total)
+    taken = float(costs[np.arange(len(chosen)), chosen].sum())
+    excess = taken - bound.total if np.isfinite(taken) else None  # robots may still mean the goals of the shape before
+    return replace(rest, bound_m=bound.total, excess_m=excess)
+
+
+def _arrival(trace: Trace, plan: Plan, ticks: tuple[int, int], period_s: float, tolerance_m: float) -> float | None:
+    """Return how long after the order of a shape all were at their goals, to stay there [s]."""
+    if not plan.task.has_goals or plan.motion is not None:
+        return None
+    chosen = trace.goals[ticks[0] : ticks[1]]
+    is_known = (chosen >= 0) & (chosen < len(plan.goals))
+    places = plan.goals[np.where(is_known, chosen, 0)]
+    off = np.linalg.norm(trace.tick_positions[ticks[0] : ticks[1]] - places, axis=2)
+    is_there = (is_known & (off <= tolerance_m) | ~trace.alive[ticks[0] : ticks[1]]).all(axis=1)
+    away = np.flatnonzero(~is_there)
+    first = int(away[-1]) + 1 if len(away) else 0
+    return first * period_s if first < len(is_there) else None
 
 
 def _stage(trace: Trace, course: Course, ticks: tuple[int, int], period_s: float, success: SuccessSpec) -> StageResults:

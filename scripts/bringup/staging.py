@@ -76,12 +76,16 @@ def _transformed(contour: FloatArray, center: FloatArray, spec: StageSpec) -> Fl
     return moved
 
 
+def written_shape(spec: ShapeSpec | None, contour: FloatArray, name: str | None) -> ShapeSpec:
+    """Return a shape that has its contour written out, so that it depends on no file or library."""
+    points = tuple((float(x), float(y)) for x, y in contour)
+    return ShapeSpec(name=name, points=points, heading_deg=None if spec is None else spec.heading_deg)
+
+
 def written_stage(spec: StageSpec, contour: FloatArray) -> StageSpec:
     """Return a stage that has its contour written out, so that it depends on no other stage, file or library."""
-    name = "shape" if spec.shape is None else spec.shape.name
-    points = tuple((float(x), float(y)) for x, y in contour)
     return StageSpec(
-        shape=ShapeSpec(name=name, points=points),
+        shape=written_shape(spec.shape, contour, "shape" if spec.shape is None else spec.shape.name),
         rotate_deg=spec.rotate_deg if spec.over_s else 0.0,
         over_s=spec.over_s,
         at_s=spec.at_s,
@@ -91,7 +95,13 @@ def written_stage(spec: StageSpec, contour: FloatArray) -> StageSpec:
 
 def stage_of(spec: StageSpec, contour: FloatArray) -> Stage:
     """Return a stage as the mission computer is told of it."""
-    return Stage(contour, spec.over_s, math.radians(spec.rotate_deg), spec.at_s, spec.rest_s)
+    heading = None if spec.shape is None else heading_of(spec.shape)
+    return Stage(contour, spec.over_s, math.radians(spec.rotate_deg), spec.at_s, spec.rest_s, heading)
+
+
+def heading_of(spec: ShapeSpec) -> float | None:
+    """Return the direction that robots are to face in a shape [rad], None if that is left to them."""
+    return None if spec.heading_deg is None else math.radians(spec.heading_deg)
 
 
 def check_time(scenario: Scenario, number: int) -> None:

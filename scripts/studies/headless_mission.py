@@ -26,6 +26,6 @@ def run_to_verdict(scenario: Scenario) -> Outcome:
         ticks = engine.ticks()
         while verdict is None:
             record = next(ticks)
-            recorder.record(record.truth, record.reports)
+            recorder.record(record.truth, record.reports, record.camera)
             verdict = supervisor.watch(record)
         return Outcome(recorder, supervisor, verdict, Timing(engine.startup_s, time.monotonic() - began))

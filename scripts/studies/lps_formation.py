@@ -22,7 +22,8 @@ from bringup.scenario_file import ROBOT_COUNT, Override, load_scenario
 from studies.lps_cells import Cell, Motion, Trial
 from studies.lps_scores import Scores, score
 from studies.wandering import Wandering
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.localizer import Localizer
 from swarm_agent.localization.positioning import PositioningMonitor, Signs
 from swarm_msgs_py.frames import decode_frame, encode_frame
 from swarm_msgs_py.messages.control import VelocityCommand

@@ -13,7 +13,8 @@ from bringup.inprocess import InProcessEngine
 from bringup.resolution import resolve
 from bringup.scenario import Scenario, StartSpec
 from bringup.scenario_file import Origin, load_scenario, parse_assignment
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.localizer import Localizer
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 

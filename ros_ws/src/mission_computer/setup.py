@@ -18,7 +18,7 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["numpy", "shapely", "swarm_msgs_py"],
+    install_requires=["numpy", "opencv-python-headless", "scipy", "shapely", "swarm_msgs_py"],
     entry_points={"console_scripts": ["mission_node = mission_computer.ros.mission_node:main"]},
     zip_safe=False,
 )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import arena
 import assignment
 import bench_agent
 import bench_forces
 import bench_mesh
+import bench_vision
 import bench_world
 import force_formations
 import formation
@@ -23,9 +25,22 @@ from source_tree import ROOT
 PARTS = {"drawing", "result_file", "robustness_report", "robustness_watch", "tables"}
 """What is no benchmark by itself."""
 RUN_HERE = (
-    *(assignment, bench_agent, bench_forces, bench_mesh, bench_world, force_formations, formation, mesh_delivery),
-    *(moving_shapes, partition_quality, robustness, thesis_comparison),
+    *(arena, assignment, bench_agent, bench_forces, bench_mesh, bench_vision, bench_world, force_formations, formation),
+    *(mesh_delivery, moving_shapes, partition_quality, robustness, thesis_comparison),
 )
+
+
+def test_the_arena_is_run_as_a_user_would(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = ["--seeds", "1", "--random-starts", "--out", str(tmp_path / "runs.jsonl")]
+    settings = ("sim.physics.backend=massdamper", "duration_s=2", "stages=[{shape: {name: hw_2_square}, at_s: 1.0}]")
+    words += [word for setting in (*settings, "success.hold_s=0.5") for word in ("--set", setting)]
+
+    assert arena.main(words) == 1  # nobody is so fast
+    out = capsys.readouterr().out
+    assert "| hw_2_square | 0 of 1 |" in out
+    assert "| runs achieved, collisions | 0 of 1, 0 |" in out
+    assert arena.main(words) == 1
+    assert capsys.readouterr().out == out  # from the file
 
 
 def test_assignment_compares_both_objectives(
@@ -54,6 +69,14 @@ def test_mesh_is_timed(capsys: pytest.CaptureFixture[str]) -> None:
     bench_mesh.main(4, 5)
 
     assert capsys.readouterr().out
+
+
+def test_vision_is_timed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_vision, "IMAGES", 2)
+    monkeypatch.setattr(bench_vision, "SIZES", ((640, 480),))
+    bench_vision.main()
+
+    assert "640x480" in capsys.readouterr().out
 
 
 def test_world_is_timed_on_both_back_ends(capsys: pytest.CaptureFixture[str]) -> None:

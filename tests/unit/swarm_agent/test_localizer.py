@@ -10,7 +10,8 @@ import pytest
 from scipy.stats import chi2
 
 from swarm_agent.localization.config import LpsConfig
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.localizer import Localizer
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.randomness import rng_for
 

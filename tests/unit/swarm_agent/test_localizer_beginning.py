@@ -8,8 +8,9 @@ from builders import make_presence
 from scipy.stats import chi2
 
 from swarm_agent.localization.config import LpsConfig, LpsMode
+from swarm_agent.localization.estimate import Estimate
 from swarm_agent.localization.hypotheses import widest
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.localizer import Localizer
 from swarm_msgs_py.messages.sensing import ImuSample, RangeScan
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import NodeId

@@ -10,8 +10,9 @@ from builders import make_agent, make_agent_inputs
 from numpy.testing import assert_allclose
 
 from swarm_agent.localization.config import LpsConfig, LpsMode
+from swarm_agent.localization.estimate import Estimate
 from swarm_agent.localization.hypotheses import merged
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.localizer import Localizer
 from swarm_agent.localization.motion_model import BIAS, STATES, belief_at, restarted
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 

@@ -11,7 +11,8 @@ from builders import make_presence
 
 from swarm_agent.localization import hypotheses
 from swarm_agent.localization.config import LpsConfig, LpsMode
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.localizer import Localizer
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.randomness import rng_for

@@ -10,7 +10,8 @@ from builders import make_presence
 from numpy.testing import assert_allclose
 
 from swarm_agent.localization.config import LpsConfig, LpsMode
-from swarm_agent.localization.localizer import BEACON_MEMORY_S, Estimate, Localizer
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.localizer import BEACON_MEMORY_S, Localizer
 from swarm_msgs_py.messages.radio import Presence
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.types import FloatArray, NodeId

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from mission_computer.vision.config import VisionConfig
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.messages.bodies import Task
@@ -60,12 +61,22 @@ class MissionConfig(Config):
         unit="m/s",
         above=0.0,
     )
+    nearest_types: bool = setting(
+        False,
+        "for task goals: whether the goals of each type are put where its robots are nearest, as far as these fit"
+        " there; else the method alone decides (thesis)",
+    )
+    nearest_wait_s: float = setting(
+        2.0, "longest that the first plan waits for that until all robots have said where they are", unit="s",
+        minimum=0.0,
+    )  # fmt: skip
     task: Task | None = setting(
         None,
         "what plans ask of the robots: goals, to share out goals that are computed here; partition, to find the goals"
         " from the shape, each robot by itself; forces or forces-literal, to let forces drive them, without goals;"
         " null: partition for the method voronoi, else goals",
     )
+    vision: VisionConfig = section(VisionConfig, "how robots are found in the images of an overhead camera")
     partition: PartitionConfig = section(PartitionConfig, "how a shape becomes goals")
 
     @property

@@ -120,6 +120,10 @@ class Membership:
         limit = time - self._config.lost_after_s
         return tuple(robot for robot in sorted(self._members) if self._members[robot].heard_at > limit)
 
+    def members(self, time: float) -> tuple[Member, ...]:
+        """Return what is known of those who are present at `time` [s], ascending."""
+        return tuple(self._members[robot] for robot in self.present(time))
+
     def is_regrouping_due(self, time: float) -> bool:
         """Return whether the lost robots are others than those accounted for, and it is time to act on it.
 

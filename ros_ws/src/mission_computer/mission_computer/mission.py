@@ -16,9 +16,13 @@ from mission_computer.move import Move, haste, rest_of
 from mission_computer.parking import ParkingWatch
 from mission_computer.plan_making import PlanMaker, nearest_inside
 from mission_computer.stages import Stage, StageSchedule
+from mission_computer.vision.camera_watch import CameraWatch, fixes_of
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import FrameError, SwarmError
+from swarm_msgs_py.markers import CoverMarker
 from swarm_msgs_py.messages.bodies import Plan, Report, RowRequest, is_newer_epoch
+from swarm_msgs_py.messages.camera import ImageArray
+from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.radio import Delivery, Presence
 from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -52,6 +56,10 @@ class Mission:
         Least x, least y, greatest x, greatest y that a shape may reach [m]; None: no limits.
     stages : sequence of Stage
         Shapes that follow the first.
+    markers : sequence of CoverMarker
+        By what an overhead camera knows the robots; none: there is no camera.
+    heading : float or None
+        Direction that the robots are to face in the first shape [rad]; None: that is left to them.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917 - collaborators and settings that the composition root provides
@@ -64,6 +72,8 @@ class Mission:
         period_s: float,
         bounds: tuple[float, float, float, float] | None = None,
         stages: Sequence[Stage] = (),
+        markers: Sequence[CoverMarker] = (),
+        heading: float | None = None,
     ) -> None:
         self._config = config
         self._maker = PlanMaker(config.partition, roster, obstacles, bounds, config.asked)
@@ -72,9 +82,10 @@ class Mission:
         self._dissemination = Dissemination(config)
         self._period = period_s
         self._expected = roster.size
-        self._first: FloatArray | None = shape  # not yet planned for
+        self._first: Stage | None = Stage(shape, heading=heading)  # not yet planned for
         self._schedule = StageSchedule(stages)
         self._parking = ParkingWatch()
+        self._camera = CameraWatch(config.vision, markers) if markers else None
         self._plan: Plan | None = None
         self._course = Course()
         self._body = b""
@@ -90,8 +101,29 @@ class Mission:
         plan, notice = self._replan(inputs)
         if self._plan is not None and self._dissemination.is_due(inputs.time, reachable):
             self._network.flood(self._body)
+        seen, said = self._look(inputs)
         outbox = self._network.transmit(inputs.tick, self._presence(inputs.tick))
-        return MissionOutputs(inputs.tick, outbox, plan, self._report(reachable, notice))
+        notice = "; ".join(filter(None, (notice, said)))
+        return MissionOutputs(inputs.tick, outbox, plan, replace(self._report(reachable, notice), camera=seen))
+
+    @property
+    def has_camera(self) -> bool:
+        """Whether it looks at the robots from above."""
+        return self._camera is not None
+
+    def picture(self) -> ImageArray | None:
+        """Return the last image with what was read out of it, the shape and the goals; None if there was none yet."""
+        return None if self._camera is None else self._camera.picture(self._plan)
+
+    def _look(self, inputs: MissionInputs) -> tuple[CameraReport | None, str]:
+        """Tell the robots where the camera sees them; return what it saw, and a line for the operator."""
+        if self._camera is None:
+            return None, ""
+        seen = self._camera.look(inputs.time, inputs.image, inputs.camera)
+        fixes = fixes_of(seen, inputs.tick)
+        if fixes is not None:
+            self._network.flood(encode_body(fixes))
+        return seen, self._camera.notice(inputs.time, seen)
 
     @property
     def _epoch(self) -> int:
@@ -144,7 +176,7 @@ class Mission:
 
     def _replan(self, inputs: MissionInputs) -> tuple[Plan | None, str]:
         """Return the new plan, if there is cause for one, and a line for the operator."""
-        if inputs.shape is not None or self._first is not None:
+        if inputs.shape is not None or (self._first is not None and not self._waits_for_robots(inputs.time)):
             return self._plan_order(inputs)
         if self._plan is None:
             return None, ""
@@ -169,7 +201,14 @@ class Mission:
                 self._schedule.cancel()
             return plan, notice
         assert first is not None  # what else was there to plan for?
-        return self._plan_shape(Stage(first), inputs, "shape refused")
+        return self._plan_shape(first, inputs, "shape refused")
+
+    def _waits_for_robots(self, time: float) -> bool:
+        """Return whether the first plan is put off until the robots have said where they are."""
+        if not self._config.nearest_types or time >= self._config.nearest_wait_s:
+            return False
+        known = sum(member.position is not None for member in self._membership.members(time))
+        return known < self._expected
 
     def _formed_at(self, plan: Plan) -> float:
         """Return when the shape of a plan is, or was, where it is to be [s]."""
@@ -196,12 +235,13 @@ class Mission:
         lost = self._membership.lost(inputs.time)
         try:
             if self._plan is None or stage.over_s == 0.0:
-                plan = self._maker.for_shape(self._next_epoch, stage.contour, lost)
+                near = self._membership.members(inputs.time) if self._config.nearest_types else ()
+                plan = self._maker.for_shape(self._next_epoch, stage.contour, lost, near)
             else:
                 ticks = max(1, round(stage.over_s / self._period))
                 move = Move(stage.contour, self._led(inputs.tick), ticks, self._period, stage.rotation_rad)
                 plan = self._maker.for_move(self._next_epoch, move, self._course.at(move.begins), lost)
-            body = encode_body(plan)
+            body = encode_body(replace(plan, heading=stage.heading))
         except SwarmError as error:
             return None, self._refusal(f"{refusal}: {error}")
         self._membership.account(inputs.time)
@@ -221,7 +261,7 @@ class Mission:
         self._membership.account(time)
         try:
             plan = self._moving_members(inputs.tick, lost) or self._maker.for_members(self._next_epoch, lost)
-            body = encode_body(plan)
+            body = encode_body(replace(plan, heading=None if self._plan is None else self._plan.heading))
         except SwarmError as error:
             return None, self._refusal(f"{change}, but a new plan is not possible: {error}")
         self._put_in_force(body, inputs)

@@ -10,6 +10,7 @@ import shapely
 
 from mission_computer.membership import Member
 from mission_computer.move import Move
+from mission_computer.nearest_types import distance_to_go, nearest_types
 from mission_computer.shape import check_inside, load_shape
 from swarm_msgs_py.body_codec import decode_body, encode_body
 from swarm_msgs_py.errors import ShapeError
@@ -72,8 +73,17 @@ class PlanMaker:
         self._full = GoalSet(np.empty((0, 2)), np.empty(0, dtype=np.int64))
         self._made: dict[int, _Made] = {}  # per epoch, the plans for the shape in force
 
-    def for_shape(self, epoch: int, shape: FloatArray, lost: Sequence[Member]) -> Plan:
+    def for_shape(self, epoch: int, shape: FloatArray, lost: Sequence[Member], near: Sequence[Member] = ()) -> Plan:
         """Return the first plan for a shape, computed on the numbers that the robots will see.
+
+        Parameters
+        ----------
+        epoch : int
+        shape : (k, 2) array
+            [m].
+        lost : sequence of Member
+        near : sequence of Member
+            Robots for whose types the goals are to be where that makes their ways short; none: as the method has it.
 
         Raises
         ------
@@ -91,6 +101,7 @@ class PlanMaker:
             return plan
         roster = self._roster.without(member.type for member in lost)
         goals = partition(contour, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
+        goals = self._nearer(goals, contour, roster, lost, near)
         plan = self._plan(epoch, contour, goals, lost)
         self._contour, self._full = contour, goals
         self._made = {epoch: _Made(np.arange(len(goals.types)), _robots(lost))}
@@ -251,6 +262,17 @@ class PlanMaker:
         if goals is None:
             goals = partition(start, roster, self._obstacles, self._config, keep_outs=self._bodies(lost))
         return GoalSet(goals.positions.round(2), goals.types), 0
+
+    def _nearer(
+        self, goals: GoalSet, contour: FloatArray, roster: Roster, lost: Sequence[Member], near: Sequence[Member]
+    ) -> GoalSet:
+        """Return the goals with other types, moved as little as these need, if that makes the ways shorter."""
+        types = nearest_types(goals, near) if near else None
+        if types is None:
+            return goals
+        others = GoalSet(goals.positions, types)
+        moved = adapt(others, contour, roster, self._obstacles + self._bodies(lost), self._config)
+        return goals if moved is None or distance_to_go(moved, near) >= distance_to_go(goals, near) else moved
 
     def _thinned(
         self, goals: GoalSet, rows: IntArray, contour: FloatArray, roster: Roster, lost: Sequence[Member]

@@ -28,6 +28,8 @@ class Stage:
         before it stands.
     hold_s : float
         Where there is no time: for how long all robots must have been at rest in the shape before it [s].
+    heading : float or None
+        Direction that the robots are to face in it [rad]; None: that is left to them.
     """
 
     contour: FloatArray
@@ -35,6 +37,7 @@ class Stage:
     rotation_rad: float = 0.0
     at_s: float | None = None
     hold_s: float = 0.0
+    heading: float | None = None
 
     def is_due(self, time: float, rested: float) -> bool:
         """Return whether it is to be ordered at `time` [s], when all have been at rest for `rested` [s]."""

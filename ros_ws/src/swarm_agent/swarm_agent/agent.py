@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
 from swarm_agent.config import AgentConfig
 from swarm_agent.control.avoidance import Avoidance
+from swarm_agent.control.facing import Facing
 from swarm_agent.control.path_follower import PathFollower
 from swarm_agent.control.wall_following import WallFollowing
 from swarm_agent.control.yielding import make_way
@@ -19,17 +22,20 @@ from swarm_agent.decision.homing import Home, home_destination
 from swarm_agent.decision.strategy import Decision, Strategy
 from swarm_agent.energy import EnergyStore
 from swarm_agent.forces.forming import ForceForming
+from swarm_agent.localization.camera_fixes import CameraFixReceiver, SeenFrom
+from swarm_agent.localization.estimate import Estimate
+from swarm_agent.localization.heading import Heading
 from swarm_agent.localization.hypotheses import widest
-from swarm_agent.localization.localizer import Estimate, Localizer
+from swarm_agent.localization.localizer import Localizer
 from swarm_agent.localization.positioning import PositioningMonitor, Signs
 from swarm_agent.planning.path_planner import PathPlanner, planner_for
 from swarm_msgs_py.binary import COORDINATE_MAX
 from swarm_msgs_py.body_codec import encode_body
 from swarm_msgs_py.messages.bodies import Plan, Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
-from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Presence
+from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Delivery, Presence
 from swarm_msgs_py.messages.report import AgentReport, LocalizationReport, Mode, Positioning
-from swarm_msgs_py.messages.sensing import PositionFix
+from swarm_msgs_py.messages.sensing import ImuSample, PositionFix
 from swarm_msgs_py.networking.network import make_network
 from swarm_msgs_py.orientation import rotation
 from swarm_msgs_py.partition import PartitionConfig
@@ -79,6 +85,9 @@ class Agent:
         self._report_every = max(1, round(config.decision.report_period_s / period_s))
         self._localizer = Localizer(config.lps, period_s, start, obstacles)
         self._monitor = PositioningMonitor(config.lps, period_s)
+        self._heading = Heading(config.lps, period_s)
+        self._camera = CameraFixReceiver(robot) if config.lps.from_camera else None
+        self._blind_after = round(config.lps.blind_after_s / period_s)
         self._mesh = make_network(robot, config.network, period_s)
         self._consensus = Consensus(robot, robot_type.type, config.decision, period_s, partition)
         self._energy = EnergyStore(config.energy, period_s)
@@ -98,6 +107,7 @@ class Agent:
         )
         self._strategy: Strategy = ByTask(self._consensus, goals, forces)
         self._period = period_s
+        self._facing = Facing(config.control)
         self._follower = PathFollower(config.control, period_s, robot_type.coverage_radius_m)
         radius, margin = robot_type.coverage_radius_m, config.control.avoidance.margin_m
         self._wall_following = WallFollowing(radius, margin, period_s)
@@ -109,7 +119,8 @@ class Agent:
         self._reported_epoch = 0
         self._beacons = 0  # among the neighbors
         self._disagreements = 0
-        self._told: FloatArray | None = None  # velocity of the last command, body frame
+        self._told: VelocityCommand | None = None  # the last command
+        self._is_blind = False
         self._home = Home(period_s)
 
     @property
@@ -121,17 +132,19 @@ class Agent:
         """Advance by one tick: the whole flow of one robot, top to bottom."""
         tick, mesh = inputs.tick, self._mesh
         deliveries = mesh.receive(tick, inputs.inbox)
-        to_world = rotation(self._localizer.heading(inputs.imu))
+        imu, seen = self._sense(inputs, deliveries)
+        to_world = rotation(self._localizer.heading(imu))
         around = inputs.proximity @ to_world.T
         estimate = self._localizer.step(
             tick,
-            inputs.imu,
+            imu,
             inputs.fix,
             inputs.ranges,
             mesh.neighbors,
             proximity=around,
-            told=None if self._told is None else to_world @ self._told,
+            told=None if self._told is None else to_world @ (self._told.forward, self._told.left),
             is_blocked=self._avoidance.is_blocked,
+            seen=seen,
         )
         if estimate is not None and not _can_be_told(estimate):
             estimate = None
@@ -144,12 +157,23 @@ class Agent:
         else:
             decision = self._decide(tick, estimate, positioning)
             command = self._control(estimate, decision, around, to_world)
-        self._told = np.array([command.forward, command.left])
+        self._told = command
         self._energy.spend(command)
         mode, is_held_up = self._mode(decision)
         self._report(tick, estimate, decision, mode)
         outbox = mesh.transmit(tick, self._presence(tick, estimate, mode, asks_for_way=is_held_up))
         return AgentOutputs(tick, command, outbox, self._state(estimate, decision, mode))
+
+    def _sense(self, inputs: AgentInputs, deliveries: Sequence[Delivery]) -> tuple[ImuSample, SeenFrom | None]:
+        """Return the inertial sample with the heading that the robot believes in, and what the camera says of it."""
+        if self._camera is None:
+            return inputs.imu, None
+        seen = self._camera.take(inputs.tick, deliveries)
+        seen_at = self._camera.seen_at
+        self._is_blind = seen_at is None or inputs.tick - seen_at > self._blind_after
+        turn_rate = 0.0 if self._told is None else self._told.yaw_rate
+        yaw = self._heading.step(inputs.tick, inputs.imu.yaw, turn_rate, seen)
+        return replace(inputs.imu, yaw=yaw), seen
 
     def _learn(self, tick: int, plan: Plan | None) -> None:
         """Tell the localizer what a new plan says of walls and bodies; take down its goals and where home is."""
@@ -202,8 +226,11 @@ class Agent:
         aside = self._step_aside(estimate, decision)
         if aside is not None:
             wanted, reach = aside, self._config.control.yielding.displacement_max_m
+        if self._is_blind:
+            wanted, reach = _ORIGIN, 0.0
         safe = self._avoidance.step(wanted, estimate.velocity, around, reach) @ to_world
-        turn = -self._config.control.heading_gain_1_s * math.remainder(estimate.yaw, math.tau)
+        plan = self._consensus.plan
+        turn = 0.0 if self._is_blind else self._facing.turn_rate(estimate.yaw, None if plan is None else plan.heading)
         return VelocityCommand(float(safe[0]), float(safe[1]), turn)
 
     def _planner_for(self, obstacles: tuple[FloatArray, ...]) -> PathPlanner:
@@ -226,6 +253,8 @@ class Agent:
         """Return what the robot does, and whether it hardly gets on with it; others must know who returns home."""
         if decision is None:
             return Mode.WAITING, False
+        if self._is_blind:
+            return Mode.BLIND, False
         if decision.mode is Mode.PARKED or (decision.goal >= 0 and self._follower.is_parked):
             return Mode.PARKED, False
         is_moving = decision.destination is not None or decision.velocity is not None

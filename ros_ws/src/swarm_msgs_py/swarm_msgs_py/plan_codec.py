@@ -4,7 +4,7 @@ The places in a plan are ``uint16`` steps from the plan's least x and y; a step 
 655 m wide the least power of two of centimeters that covers it. The plan is by far the longest body, and every radio
 waits for it: this halves it. A plan whose goals the robots find for themselves, or that has none, says instead for whom
 it is: 5 bytes per type of robot instead of 5 per goal. Only a plan whose shape moves tells its motion, behind all else
-(`motion_codec`): one bit of the task says so.
+(`motion_codec`), and after that a plan that turns the robots tells where to: one bit of the task each says so.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ _CM_PER_M, _MM_PER_M = 100.0, 1000.0
 _OFFSET_MAX = 0xFFFF  # steps from the origin of a plan
 _DOUBLINGS_MAX = 16
 _ROUNDING = 1e-6  # [mm]; what was decoded is encoded as the same number
-_MOVES = 0x80  # bit of the task in plans with a motion
+_MOVES, _FACES = 0x80, 0x40  # bits of the task in plans with a motion, and with a heading
+_HEADING = struct.Struct("<h")  # [1e-4 rad]
+_HEADING_STEPS_PER_RAD = 1e4
 _TASKS, _METHODS = tuple(Task), tuple(Method)  # they travel as their numbers in this order
 
 ROBOTS_MAX = 1000
@@ -70,6 +72,7 @@ def encode_plan(plan: Plan) -> bytes:
     contour, *others = np.split(steps - origin, np.cumsum([np.size(group) // 2 for group in groups])[:-1])
     obstacles, goals, moving = others[: len(plan.obstacles)], others[len(plan.obstacles)], others[-2:]
     task = _TASKS.index(plan.task) | (_MOVES if plan.motion is not None else 0)
+    task |= _FACES if plan.heading is not None else 0
     head = packed(_HEAD, plan.epoch, len(contour), len(obstacles), plan.bodies, task, doublings, *origin.tolist())
     parts = [head, packed_integers(contour, "<u2")]
     for obstacle in obstacles:
@@ -84,6 +87,8 @@ def encode_plan(plan: Plan) -> bytes:
         parts.append(packed(_PARTITION, _METHODS.index(plan.method), plan.goals_crc))
     if plan.motion is not None:
         parts.append(_encode_motion(plan, plan.motion, *moving))
+    if plan.heading is not None:
+        parts.append(_encode_heading(plan.heading))
     return b"".join(parts)
 
 
@@ -97,14 +102,15 @@ def decode_plan(reader: Reader) -> Plan:
     """
     epoch, corners, obstacles, bodies, number, doublings, *origin = reader.fields(_HEAD)
     _check_bodies(bodies, obstacles)
-    if number & ~_MOVES >= len(_TASKS):
+    number, bits = number & ~(_MOVES | _FACES), number & (_MOVES | _FACES)
+    if number >= len(_TASKS):
         raise FrameError(f"unknown task: {number}")
     if doublings > _DOUBLINGS_MAX:
         raise FrameError(f"a step of 2^{doublings} cm")
     grid = _Grid(np.array(origin), doublings)
     contour = grid.read_points(reader, corners)
     polygons = tuple(grid.read_points(reader, reader.fields(_COUNT)[0]) for _ in range(obstacles))
-    task = _TASKS[number & ~_MOVES]
+    task = _TASKS[number]
     goals, types, roster, method, crc = _NO_GOALS, _NO_TYPES, None, None, 0
     if task is Task.GOALS:
         (count,) = reader.fields(_COUNT)
@@ -119,7 +125,9 @@ def decode_plan(reader: Reader) -> Plan:
             raise FrameError(f"unknown partition method: {method_number}")
         method = _METHODS[method_number]
     plan = Plan(epoch, contour, polygons, goals, types, bodies, task, roster, method, crc)
-    return _decode_motion(reader, plan, grid) if number & _MOVES else plan
+    if bits & _MOVES:
+        plan = _decode_motion(reader, plan, grid)
+    return replace(plan, heading=_decode_heading(reader)) if bits & _FACES else plan
 
 
 def shortening(plan: Plan) -> str:
@@ -182,6 +190,19 @@ def _decode_motion(reader: Reader, plan: Plan, grid: _Grid) -> Plan:
         track = frozen(goals[None].copy())
     motion = Motion(head.begins, head.ticks, start, head.rotation_rad, track, head.knots)
     return replace(plan, goals=goals, goal_types=types, motion=motion, follows=head.follows)
+
+
+def _encode_heading(heading: float) -> bytes:
+    if not abs(heading) <= math.pi:  # false for what is no number
+        raise FrameError(f"a heading of {heading:g} rad")
+    return packed(_HEADING, round(heading * _HEADING_STEPS_PER_RAD))
+
+
+def _decode_heading(reader: Reader) -> float:
+    heading = float(reader.fields(_HEADING)[0]) / _HEADING_STEPS_PER_RAD
+    if abs(heading) > math.pi + 1.0 / _HEADING_STEPS_PER_RAD:
+        raise FrameError(f"a heading of {heading:g} rad")
+    return min(max(heading, -math.pi), math.pi)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.camera import CameraImage, CameraInfo
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.messages.report import AgentReport, MissionReport
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
@@ -67,12 +68,18 @@ class MissionInputs:
         Frames heard by its radio.
     shape : (k, 2) array or None
         New contour ordered by the operator [m]; None when nothing new was ordered.
+    image : CameraImage or None
+        Taken now by the overhead camera; None where there is none, or it gives nothing.
+    camera : CameraInfo or None
+        What the camera's maker says of it; None as long as that is not known.
     """
 
     tick: int
     time: float
     inbox: tuple[bytes, ...]
     shape: FloatArray | None = None
+    image: CameraImage | None = None
+    camera: CameraInfo | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,12 +27,15 @@ class Delivery(Enum):
     """What a channel promises."""
 
     EVERY_MESSAGE = "every message arrives, in order; the lockstep rests on it"
+    EVERY_IMAGE = "likewise, but few are kept: they are large"
     NEWEST = "the newest few messages; losing an old one does no harm"
     LATCHED = "the last message also reaches those who come later"
 
 
 class Parts(IntFlag):
     """Which messages of a tick accompany a batch of radio frames; travels in the batch's flags.
+
+    The image is of the mission computer, the others are of robots.
 
     Messages of one tick arrive in any order over their topics. The batch comes every tick and says what belongs to it,
     so a robot knows when it has heard everything. A part that is missing from the flags was not measured, or was empty:
@@ -44,6 +47,7 @@ class Parts(IntFlag):
     FIX = 2
     RANGES = 4
     PROXIMITY = 8
+    IMAGE = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +109,11 @@ STATUS = Channel("/{node}/status", "diagnostic_msgs/msg/DiagnosticArray", Party.
 
 SHAPE = Channel("/mission/shape", "geometry_msgs/msg/PolygonStamped", Party.OPERATOR, Party.MISSION, _EVERY)
 GOALS = Channel("/mission/goals", "geometry_msgs/msg/PoseArray", Party.MISSION, Party.VIEWERS, _LATCHED)
+CAMERA_IMAGE = Channel(
+    "/world/camera/image_raw", "sensor_msgs/msg/Image", Party.WORLD, Party.MISSION, Delivery.EVERY_IMAGE
+)
+CAMERA_INFO = Channel("/world/camera/camera_info", "sensor_msgs/msg/CameraInfo", Party.WORLD, Party.MISSION, _LATCHED)
+CAMERA_VIEW = Channel("/mission/camera/annotated", "sensor_msgs/msg/Image", Party.MISSION, Party.VIEWERS, _NEWEST)
 MARKERS = Channel("/viz/markers", "visualization_msgs/msg/MarkerArray", Party.MISSION, Party.VIEWERS, _LATCHED)
 
 CLOCK = Channel("/clock", "rosgraph_msgs/msg/Clock", Party.WORLD, Party.EVERYONE, _NEWEST)
@@ -129,6 +138,9 @@ MISSION_CHANNELS = (RADIO_RX, RADIO_TX)
 SINGLE_CHANNELS = (CLOCK, SHAPE, GOALS, MARKERS, TRUTH, KILL_ROBOT)
 """Topics that exist once."""
 
+CAMERA_CHANNELS = (CAMERA_IMAGE, CAMERA_INFO, CAMERA_VIEW)
+"""Topics that exist once where there is an overhead camera."""
+
 PAUSE_SERVICE = "/world/pause"
 """``std_srvs/srv/Trigger``: hold simulated time."""
 
@@ -136,8 +148,9 @@ RESUME_SERVICE = "/world/resume"
 """``std_srvs/srv/Trigger``: let simulated time go on."""
 
 
-def all_topics(robots: tuple[NodeId, ...]) -> dict[str, str]:
+def all_topics(robots: tuple[NodeId, ...], *, has_camera: bool = False) -> dict[str, str]:
     """Return the type of every topic of a swarm, by name."""
     table = {channel.topic(robot): channel.message for robot in robots for channel in ROBOT_CHANNELS}
     table |= {channel.topic(MISSION): channel.message for channel in MISSION_CHANNELS}
-    return table | {channel.topic(): channel.message for channel in SINGLE_CHANNELS}
+    singles = (*SINGLE_CHANNELS, *CAMERA_CHANNELS) if has_camera else SINGLE_CHANNELS
+    return table | {channel.topic(): channel.message for channel in singles}

@@ -9,6 +9,7 @@ from shapely import Point, Polygon, STRtree
 from shapely.validation import explain_validity
 
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.markers import CoverMarker
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId, robot_name
 
@@ -50,12 +51,15 @@ class Scene:
         The arena [m].
     mission_position : (x, y)
         Antenna of the mission computer [m].
+    markers : tuple of CoverMarker
+        Covers of the robots, one each in their order, where a camera looks at them.
     """
 
     robots: tuple[RobotSpec, ...]
     obstacles: tuple[FloatArray, ...]
     bounds: tuple[float, float, float, float]
     mission_position: tuple[float, float]
+    markers: tuple[CoverMarker, ...] = ()
 
 
 def check_scene(scene: Scene) -> None:

@@ -10,9 +10,11 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_msgs_py.messages.camera import CameraInfo
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.step_io import AgentInputs, MissionInputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId, node_name
+from swarm_sim.camera.feed import CameraFeed
 from swarm_sim.config import SimConfig
 from swarm_sim.radio.links import LinkTable, make_links
 from swarm_sim.radio.medium import Medium, RadioTraffic
@@ -121,6 +123,7 @@ class Simulation:
         self._medium = Medium(config.radio, tuple(self._row), config.period_s, seed)
         self._sensors = SensorSuite(config, scene, self._obstacles, seed)
         self._world = make_world(config, scene, seed)
+        self._camera = CameraFeed(config.camera, scene.markers, seed) if config.camera.is_on else None
 
         self._tick = 0
         self._alive = np.ones(len(self._row), dtype=np.bool_)  # robots, then the mission computer
@@ -135,6 +138,11 @@ class Simulation:
         self._is_applied = False
         self._deaths, self._died = dict(deaths), list[NodeId]()
         self._let_die()
+
+    @property
+    def camera_info(self) -> CameraInfo | None:
+        """Return what the maker of the overhead camera says of it; None if there is none."""
+        return None if self._camera is None else self._camera.info
 
     @property
     def tick(self) -> int:
@@ -156,7 +164,10 @@ class Simulation:
         """
         if self._observed is None:
             self._observed = self._sense()
-        mission = MissionInputs(self._tick, self.time, self._inboxes[-1], shape)
+        image, info = None, None
+        if self._camera is not None:
+            image, info = self._camera.image(self.time, self._world.state), self.camera_info
+        mission = MissionInputs(self._tick, self.time, self._inboxes[-1], shape, image, info)
         return Observation(self._tick, self.time, self._observed, mission)
 
     def apply(self, commands: Mapping[NodeId, VelocityCommand], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
@@ -248,8 +259,10 @@ class Simulation:
         return died
 
     def close(self) -> None:
-        """Free the physics back end; may be called again."""
+        """Free the physics back end, and the camera's renderer; may be called again."""
         self._world.close()
+        if self._camera is not None:
+            self._camera.close()
 
     def _begin_tick(self, mean_accelerations: FloatArray) -> None:
         self._tick += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,8 +12,10 @@ import numpy as np
 from geometry_msgs.msg import PolygonStamped
 from rclpy.context import Context
 from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo
 
 from mission_computer.config import MissionConfig
+from mission_computer.input_assembler import InputAssembler
 from mission_computer.mission import Mission
 from mission_computer.shape import load_shape
 from swarm_msgs_py import topics
@@ -20,16 +23,19 @@ from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.frames import Batch, pack_batch
 from swarm_msgs_py.messages.bodies import Plan
+from swarm_msgs_py.messages.camera import CameraImage, ImageArray
 from swarm_msgs_py.networking.config import NetworkConfig
 from swarm_msgs_py.plan_course import Course
 from swarm_msgs_py.plan_motion import goals_at
 from swarm_msgs_py.robots import THESIS_TYPES
-from swarm_msgs_py.ros import channels, convert, parameters, views
+from swarm_msgs_py.ros import camera, cdr, channels, convert, parameters, views
 from swarm_msgs_py.ros.spin import run_node
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import MISSION, FloatArray
+
+_log = logging.getLogger(__name__)
 
 NAME, NAMESPACE = "mission_computer", "mission"
 
@@ -37,8 +43,17 @@ NAME, NAMESPACE = "mission_computer", "mission"
 class Steps(Protocol):
     """What the node runs: the mission computer."""
 
+    @property
+    def has_camera(self) -> bool:
+        """Whether it looks at the robots from above."""
+        ...
+
     def step(self, inputs: MissionInputs) -> MissionOutputs:
         """Advance by one tick."""
+        ...
+
+    def picture(self) -> ImageArray | None:
+        """Return the last image with what was read out of it; None if there was none."""
         ...
 
 
@@ -91,24 +106,55 @@ class MissionNode(Node):
         self._radio = channels.publisher(self, topics.RADIO_TX, MISSION)
         self._goals = channels.publisher(self, topics.GOALS)
         self._markers = channels.publisher(self, topics.MARKERS)
+        self._assembler = InputAssembler(period_s, self._take_order)
+        self._picture = views.View(self, topics.CAMERA_VIEW) if mission.has_camera else None
         channels.subscription(self, topics.SHAPE, self._take_shape)
+        if mission.has_camera:
+            channels.subscription(self, topics.CAMERA_INFO, self._take_info)
+            channels.decoded_subscription(self, topics.CAMERA_IMAGE, camera.decode_image, self._take_image)
         channels.decoded_subscription(self, topics.RADIO_RX, convert.decode_frames, self._take_batch, MISSION)
 
     def _take_shape(self, message: PolygonStamped) -> None:
         self._ordered = np.array([[point.x, point.y] for point in message.polygon.points]).reshape(-1, 2)
 
+    def _take_order(self) -> FloatArray | None:
+        ordered, self._ordered = self._ordered, None
+        return ordered
+
+    def _take_info(self, message: CameraInfo) -> None:
+        try:
+            info = camera.info_of(message)
+        except cdr.MessageError as error:
+            _log.warning("%s: message dropped: %s", topics.CAMERA_INFO.topic(), error)
+            return
+        self._step(self._assembler.put_info(info))
+
+    def _take_image(self, image: CameraImage) -> None:
+        self._step(self._assembler.put_image(convert.tick_at(image.time, self._period), image))
+
     def _take_batch(self, batch: Batch) -> None:
-        shape, self._ordered = self._ordered, None
-        seconds = batch.tick * self._period
-        outputs = self._mission.step(MissionInputs(batch.tick, seconds, batch.frames, shape))
+        self._step(self._assembler.put_batch(batch))
+
+    def _step(self, inputs: MissionInputs | None) -> None:
+        """Answer a tick, if it is complete."""
+        if inputs is None:
+            return
+        outputs = self._mission.step(inputs)
         self._radio.publish(convert.encode_batch(pack_batch(outputs.tick, Parts.NONE, outputs.outbox)))
         if self._on_step is not None:
             self._on_step(outputs)
+        if self._picture is not None and outputs.report.camera is not None:
+            self._picture.show(lambda: self._drawn(inputs.time))
         if outputs.plan is not None:
-            self._course.put(batch.tick, outputs.plan)
-        elif not self._course.is_changing(batch.tick):
+            self._course.put(inputs.tick, outputs.plan)
+        elif not self._course.is_changing(inputs.tick):
             return
-        self._show(seconds, self._course.at(batch.tick), batch.tick)
+        self._show(inputs.time, self._course.at(inputs.tick), inputs.tick)
+
+    def _drawn(self, seconds: float) -> bytes:
+        picture = self._mission.picture()
+        assert picture is not None  # only asked after an image
+        return camera.encode_image(CameraImage(seconds, picture))
 
     def _show(self, seconds: float, plan: Plan, tick: int) -> None:
         """Tell viewers where the shape is; while it moves, in every tick."""

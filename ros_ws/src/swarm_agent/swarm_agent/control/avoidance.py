@@ -33,10 +33,8 @@ _HIT_WEIGHT = 0.9  # of driving towards something, against progress 1.0
 _SIDE_WEIGHT = 0.1  # of the preferred side: only decides between nearly equal ways
 _IMPATIENCE = 0.2  # by which that weight grows per second without progress
 _VIOLATION_WEIGHT = 100.0  # of each m/s beyond a safety limit: nothing outweighs safety
-_ESCAPE_SPEED = 0.2  # m/s at which a robot without a wish of its own backs out of a margin
 _STANDSTILL = 1e-9
 _SLOW_SHARE = 0.2  # of the wanted speed: progress below it counts as none
-_TRACK_DISTANCE = 0.7  # m that what is seen may have moved in one tick and still be the same thing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +99,7 @@ class Avoidance:
         elif length_of(wanted) < _STANDSTILL:
             self._calm()  # who wants nothing is not blocked
             if not self._is_far_from(contacts, velocity):
-                chosen = _back_out(self._look(contacts, velocity), wanted)
+                chosen = _back_out(self._look(contacts, velocity), wanted, self._config.escape_speed_m_s)
         else:
             around = self._look(contacts, velocity)
             moving = self._track(contacts)
@@ -137,7 +135,7 @@ class Avoidance:
         steps = contacts[:, None] + moved - self._seen[None]
         squares = _squares(steps)
         rows, nearest = np.arange(len(contacts)), squares.argmin(axis=1)
-        step, is_same = steps[rows, nearest], squares[rows, nearest] < _TRACK_DISTANCE**2
+        step, is_same = steps[rows, nearest], squares[rows, nearest] < self._config.track_m**2
         velocities: FloatArray = np.where(is_same[:, None], step / self._period, 0.0)
         return velocities
 
@@ -211,12 +209,12 @@ class Avoidance:
         self._halted = 0.0
 
 
-def _back_out(around: _Surroundings, wanted: FloatArray) -> FloatArray:
+def _back_out(around: _Surroundings, wanted: FloatArray, speed_max: float) -> FloatArray:
     """Return the velocity of a robot that wants to rest, out of the margins that it stands in, if any."""
     if around.limits.min() >= 0.0:
         return wanted
     away = (around.normals * np.minimum(around.limits, 0.0)[:, None]).sum(axis=0)
-    velocity: FloatArray = away * min(1.0, _ESCAPE_SPEED / max(length_of(away), _STANDSTILL))
+    velocity: FloatArray = away * min(1.0, speed_max / max(length_of(away), _STANDSTILL))
     return velocity
 
 

@@ -29,6 +29,12 @@ class AvoidanceConfig(Config):
         unit="m",
         above=0.0,
     )
+    escape_speed_m_s: float = setting(
+        0.2, "speed at which a robot without a wish of its own backs out of a margin, at most", unit="m/s", above=0.0
+    )
+    track_m: float = setting(
+        0.7, "distance that what is seen may have moved in one tick and still be the same thing", unit="m", above=0.0
+    )
     stuck_after_s: float = setting(
         4.0,
         "without progress for this long, a robot calls itself blocked; without motion, it tries the other side",
@@ -58,6 +64,10 @@ class ControlConfig(Config):
         0.02, "a robot may park at a goal that moves slower than this, and let it go on a bit", unit="m/s", minimum=0.0
     )
     heading_gain_1_s: float = setting(0.5, "turn rate per radian of heading error", unit="1/s", minimum=0.0, maximum=2)
+    heading_deg: float | None = setting(
+        0.0, "direction that a robot faces unless the plan orders another one; null: that of the start", unit="deg"
+    )
+    turn_max_rps: float = setting(10.0, "largest commanded turn rate", unit="rad/s", above=0.0)
     avoidance: AvoidanceConfig = section(AvoidanceConfig, "collision avoidance")
     yielding: YieldingConfig = section(YieldingConfig, "making way")
 

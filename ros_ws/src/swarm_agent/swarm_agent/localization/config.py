@@ -77,6 +77,18 @@ class LpsConfig(Config):
         0.02, "how far, per axis, the velocity is from what the robot was told to drive, once its servo has settled; "
         "null, or in mode literal: the command says nothing", unit="m/s", above=0.0,
     )  # fmt: skip
+    from_camera: bool = setting(
+        False,
+        "whether the robot learns from an overhead camera where it is: fixes come over the mesh, and without them the "
+        "robot stands still",
+    )
+    turn_sigma_rps: float = setting(
+        0.02, "how far the turn rate of a robot without a compass is from what it was told; wheels slip",
+        unit="rad/s", minimum=0.0,
+    )  # fmt: skip
+    blind_after_s: float = setting(
+        0.5, "with from_camera: a robot that no image has shown for this long stands still", unit="s", above=0.0
+    )
     wall_sigma_m: float | None = setting(
         0.1, "how well a wall on the map agrees with what the proximity sensor sees of it; null, or in mode literal: "
         "walls say nothing", unit="m", above=0.0,

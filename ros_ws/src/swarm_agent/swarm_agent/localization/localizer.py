@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from swarm_agent.localization.beginning import begin_among
+from swarm_agent.localization.camera_fixes import AGE_TICKS_MAX, SeenFrom, Trail
 from swarm_agent.localization.config import LpsConfig, LpsMode
+from swarm_agent.localization.estimate import Estimate
 from swarm_agent.localization.hypotheses import Hypotheses, Hypothesis, certain, divided, merged, reweighed
 from swarm_agent.localization.kalman import Gaussian, correct, innovation, predict
 from swarm_agent.localization.motion_model import (
@@ -49,32 +50,6 @@ _log = logging.getLogger(__name__)
 _UNIT_NOISE: FloatArray = np.eye(2)
 _NO_IDEA: FloatArray = np.diag([math.inf, math.inf])
 _NO_POINTS: FloatArray = np.empty((0, 2))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
-    """What a robot knows of its own motion.
-
-    Attributes
-    ----------
-    position, velocity : (2,) array
-        World frame [m], [m/s].
-    covariance : (2, 2) array
-        Of the position [m^2].
-    yaw : float
-        Heading [rad].
-    shared : float
-        Share of the position's variance that the neighbors' errors have in common with it, 0 to 1.
-    is_corrected : bool
-        A fix, or ranges to at least three beacons, were accepted in this tick.
-    """
-
-    position: FloatArray
-    velocity: FloatArray
-    covariance: FloatArray
-    yaw: float
-    shared: float = 0.0
-    is_corrected: bool = False
 
 
 class Localizer:
@@ -121,6 +96,7 @@ class Localizer:
         is_blind = is_literal or config.wall_sigma_m is None
         self._surroundings = None if is_blind else Surroundings(config, period_s, walls)
         self._hello_age_max = round(config.hello_age_max_s / period_s)
+        self._trail = Trail(AGE_TICKS_MAX) if config.from_camera else None
         self._tick: int | None = None  # the last one
         self._due = 0  # tick of the next localization
         self._doubts = 0  # fixes, or rounds of ranging, in a row that did not fit
@@ -145,6 +121,7 @@ class Localizer:
         proximity: FloatArray = _NO_POINTS,
         told: FloatArray | None = None,
         is_blocked: bool = False,
+        seen: SeenFrom | None = None,
     ) -> Estimate | None:
         """Advance by one tick, and by those that were missed since the last call.
 
@@ -165,6 +142,8 @@ class Localizer:
             Velocity that the robot was told to drive in the tick that ends now, world frame [m/s]; None: nothing.
         is_blocked : bool
             The robot wants to drive, and has hardly got on for some time.
+        seen : SeenFrom or None
+            Fix that somebody else made, now or some ticks ago.
 
         Returns
         -------
@@ -173,9 +152,14 @@ class Localizer:
         """
         missed = 0 if self._tick is None else max(tick - self._tick - 1, 0)
         self._tick = tick
+        before = self._place()
         self._advance(imu, told, missed)
+        if self._trail is not None:
+            self._trail.note(tick, self._place() - before)
         is_corrected = False
-        if fix is not None and math.isfinite(fix.sigma + sum(fix.position.tolist())):
+        if seen is not None:
+            is_corrected = self._take_seen(tick, seen)
+        elif fix is not None and math.isfinite(fix.sigma + sum(fix.position.tolist())):
             is_corrected = self._take_fix(fix.position, max(fix.sigma, MIN_SIGMA) ** 2 * _UNIT_NOISE)
             if is_corrected:
                 self._beacon_until = tick + round(BEACON_MEMORY_S / self._period)
@@ -208,7 +192,7 @@ class Localizer:
 
     def heading(self, imu: ImuSample) -> float:
         """Return the heading [rad] of a sample, or the last one that made sense if this one does not."""
-        return imu.yaw if _is_sound(imu) else self.yaw
+        return imu.yaw if imu.yaw is not None and _is_sound(imu) else self.yaw
 
     def _estimate(self, *, is_corrected: bool) -> Estimate | None:
         if not self._hypotheses:
@@ -226,16 +210,16 @@ class Localizer:
 
         In those the robot may have stopped, or been pushed, and whether it did what it was told nobody knows.
         """
-        is_sound = _is_sound(imu)
-        unknown = missed + (not is_sound)
+        yaw = imu.yaw if _is_sound(imu) else None
+        unknown = missed + (yaw is None)
         if unknown:
             told = self._told_before = None
             gap = self._model.gap(unknown, self._config.restart_speed_sigma_mps)
             self._change(lambda belief: self._moved(belief, gap, None, None))
-        if is_sound:
-            self.yaw = imu.yaw
+        if yaw is not None:
+            self.yaw = yaw
             if self._hypotheses:
-                step = self._model.step(imu.acceleration_body, imu.yaw)
+                step = self._model.step(imu.acceleration_body, yaw)
                 noise = self._command_noise(told)
                 self._change(lambda belief: self._moved(belief, step, told, noise))
         self._told_before = told
@@ -262,6 +246,23 @@ class Localizer:
         # What the servo has not yet made up of the last change decays with its own time constant.
         behind = self._lag * length_of(told - self._told_before)
         return (self._command_sigma + behind) ** 2 * _UNIT_NOISE
+
+    def _place(self) -> FloatArray:
+        """Return the position believed in, zero if there is none (2,) [m]."""
+        if self._trail is None or not self._hypotheses:
+            return np.zeros(2)
+        return merged(self._hypotheses).gaussian.mean[POSITION]
+
+    def _take_seen(self, tick: int, seen: SeenFrom) -> bool:
+        """Correct by a fix that is some ticks old; return whether it was accepted.
+
+        It is brought forward by the way that was reckoned since then, which adds the error of that (extrapolation, as
+        in Larsen et al., "Incorporation of time delayed measurements in a discrete-time Kalman filter", CDC 1998).
+        """
+        way = self._trail.since(seen.tick) if self._trail is not None else np.zeros(2)
+        drift = (tick - seen.tick) * self._period * (self._command_sigma or self._config.initial_speed_sigma_mps)
+        variance = max(seen.fix.position_sigma, MIN_SIGMA) ** 2 + drift**2
+        return self._take_fix(seen.fix.position + way, variance * _UNIT_NOISE)
 
     def _take_ranges(self, beacons: RangeObservations, others: RangeObservations) -> bool:
         """Correct by ranges; return whether the beacons determined the position."""
@@ -381,7 +382,7 @@ class Localizer:
 
 
 def _is_sound(imu: ImuSample) -> bool:
-    """Return whether a sample can be true: finite, and no more than a robot survives."""
+    """Return whether a sample can be true, with a heading: finite, and no more than a robot survives."""
     forward, left = imu.acceleration_body.tolist()
     is_possible = abs(forward) <= ACCELERATION_MAX_MPS2 and abs(left) <= ACCELERATION_MAX_MPS2
-    return is_possible and abs(imu.yaw) <= YAW_MAX_RAD  # comparing with what is no number is false
+    return is_possible and imu.yaw is not None and abs(imu.yaw) <= YAW_MAX_RAD  # false for what is no number

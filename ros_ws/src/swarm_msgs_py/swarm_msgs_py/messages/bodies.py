@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from swarm_msgs_py.messages.sensing import PoseFix
 from swarm_msgs_py.partition.config import Method
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
@@ -92,6 +93,8 @@ class Plan:
         motion, so whoever knows nothing of motions sees a plan for the end of it.
     follows : int
         Epoch of the plan whose goals, by id, are where the goals of this one begin; 0: of none.
+    heading : float or None
+        Direction that all robots are to face, in [-pi, pi] [rad]; None: that is left to them.
     """
 
     epoch: int
@@ -106,6 +109,7 @@ class Plan:
     goals_crc: int = 0
     motion: Motion | None = None
     follows: int = 0
+    heading: float | None = None
 
     @property
     def robot_count(self) -> int:
@@ -236,4 +240,20 @@ class Report:
     sigma: float
 
 
-Body = Plan | CostRow | RowRequest | RowBundle | Report
+@dataclass(frozen=True, slots=True, eq=False)
+class CameraFixes:
+    """What one image of the overhead camera tells of all robots in it.
+
+    Attributes
+    ----------
+    tick : int
+        In which the image was taken; who hears of it later must bring the fixes forward.
+    fixes : tuple of PoseFix
+        Robots that were found, ascending.
+    """
+
+    tick: int
+    fixes: tuple[PoseFix, ...]
+
+
+Body = Plan | CostRow | RowRequest | RowBundle | Report | CameraFixes

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.radio import RadioCounters
 from swarm_msgs_py.types import FloatArray, NodeId
 
@@ -19,6 +20,7 @@ class Mode(IntEnum):
     PARKED = 4  # at its goal; in a formation without goals, at rest inside the shape
     BLOCKED = 5  # on its way, but hardly getting on: asks its neighbors to make way
     RETURN_HOME = 6  # lost for too long: drives to the middle of the shape, where beacons are
+    BLIND = 7  # depends on the overhead camera, which has not seen it for too long: stands still
 
 
 class Positioning(IntEnum):
@@ -129,6 +131,8 @@ class MissionReport:
         Stages of the schedule that are still to come, or would be.
     is_broken_off : bool
         Whether the schedule goes no further, because its next stage was refused.
+    camera : CameraReport or None
+        What the image of this tick told; None if there was none.
     """
 
     epoch: int
@@ -140,3 +144,4 @@ class MissionReport:
     stage: int = 0
     stages_left: int = 0
     is_broken_off: bool = False
+    camera: CameraReport | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from swarm_msgs_py.types import FloatArray, IntArray
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,14 +15,14 @@ class ImuSample:
     ----------
     acceleration_body : (2,) array
         Mean planar acceleration over the tick, gravity removed, body frame [m/s^2].
-    yaw : float
-        Heading from the magnetometer [rad].
+    yaw : float or None
+        Heading from the magnetometer [rad]; None for a robot without one.
     yaw_rate : float
         Turn rate at the end of the tick [rad/s].
     """
 
     acceleration_body: FloatArray
-    yaw: float
+    yaw: float | None
     yaw_rate: float
 
 
@@ -56,3 +56,27 @@ class RangeScan:
 
     neighbors: IntArray
     ranges: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseFix:
+    """Where somebody else, who looks from outside, saw a robot.
+
+    Attributes
+    ----------
+    robot : NodeId
+    position : (2,) array
+        Middle of the robot, world frame [m].
+    yaw : float
+        Heading in [-pi, pi] [rad]; the thesis' clockwise bearing from +y is pi/2 minus this.
+    position_sigma : float
+        Standard deviation per axis [m].
+    yaw_sigma : float
+        Standard deviation [rad].
+    """
+
+    robot: NodeId
+    position: FloatArray
+    yaw: float
+    position_sigma: float
+    yaw_sigma: float

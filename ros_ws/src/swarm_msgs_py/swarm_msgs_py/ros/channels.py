@@ -17,13 +17,16 @@ from rclpy.utilities import get_rmw_implementation_identifier
 
 from swarm_msgs_py.errors import FrameError
 from swarm_msgs_py.ros.cdr import MessageError, is_little_endian
-from swarm_msgs_py.topics import MISSION_CHANNELS, ROBOT_CHANNELS, SINGLE_CHANNELS, Channel, Delivery
+from swarm_msgs_py.topics import CAMERA_CHANNELS, MISSION_CHANNELS, ROBOT_CHANNELS, SINGLE_CHANNELS, Channel, Delivery
 from swarm_msgs_py.types import NodeId
 
 T = TypeVar("T")
 
 LOCKSTEP_DEPTH = 200
 """Messages kept per topic. Lockstep needs two; a node that stalls in real time may fall this many ticks back."""
+
+IMAGE_DEPTH = 3
+"""The same for images, of which 200 would take a computer's memory."""
 
 VIEWER_DEPTH = 10
 DROP_LOG_PERIOD_S = 5.0  # a flood of bad messages must not become a flood of log lines
@@ -42,6 +45,9 @@ _OWN_TYPES = (
 _PROFILES = {
     Delivery.EVERY_MESSAGE: QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE, history=HistoryPolicy.KEEP_LAST, depth=LOCKSTEP_DEPTH
+    ),
+    Delivery.EVERY_IMAGE: QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE, history=HistoryPolicy.KEEP_LAST, depth=IMAGE_DEPTH
     ),
     Delivery.NEWEST: QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE, history=HistoryPolicy.KEEP_LAST, depth=VIEWER_DEPTH
@@ -73,7 +79,7 @@ def preload() -> None:
     It takes a process a quarter of a second; children that are forked afterwards have it already.
     """
     get_rmw_implementation_identifier()
-    for channel in (*ROBOT_CHANNELS, *MISSION_CHANNELS, *SINGLE_CHANNELS):
+    for channel in (*ROBOT_CHANNELS, *MISSION_CHANNELS, *SINGLE_CHANNELS, *CAMERA_CHANNELS):
         check_for_type_support(message_type(channel.message))
     for name in _OWN_TYPES:
         check_for_type_support(message_type(name))

@@ -28,6 +28,7 @@ UNMEASURED_VARIANCE = 1e9  # of what a position sensor does not measure: height 
 
 _IMU = struct.Struct("<37d")  # quaternion 4, angular velocity 3, acceleration 3; each followed by its covariance 9
 _UNKNOWN_COVARIANCE = (0.0,) * 9
+_UNMEASURED = (-1.0, *(0.0,) * 8)
 _FIX = struct.Struct("<43d")  # position 3, quaternion 4, covariance 36
 _FIX_REST = tuple(UNMEASURED_VARIANCE if row == column else 0.0 for row in range(2, 6) for column in range(6))
 _TWIST = struct.Struct("<6d")
@@ -44,11 +45,15 @@ def tick_at(time: float, period_s: float) -> int:
 
 
 def encode_imu(stamp: bytes, frame: str, sample: ImuSample) -> bytes:
-    """Return a ``sensor_msgs/Imu``: heading as quaternion, planar rates and accelerations, covariances unknown."""
-    z, w = quaternion_of(sample.yaw)
+    """Return a ``sensor_msgs/Imu``: heading as quaternion, planar rates and accelerations, covariances unknown.
+
+    As the message's definition has it, a covariance that begins with -1 says that there is no heading.
+    """
+    z, w = (0.0, 1.0) if sample.yaw is None else quaternion_of(sample.yaw)
+    heading = (z, w, *(_UNKNOWN_COVARIANCE if sample.yaw is not None else _UNMEASURED))
     forward, left = sample.acceleration_body.tolist()
     turning = (0.0, 0.0, sample.yaw_rate, *_UNKNOWN_COVARIANCE)
-    numbers = (0.0, 0.0, z, w, *_UNKNOWN_COVARIANCE, *turning, forward, left, 0.0, *_UNKNOWN_COVARIANCE)
+    numbers = (0.0, 0.0, *heading, *turning, forward, left, 0.0, *_UNKNOWN_COVARIANCE)
     return stamp + cdr.frame(frame) + _IMU.pack(*numbers)
 
 
@@ -65,7 +70,8 @@ def decode_imu(data: bytes) -> tuple[float, ImuSample]:
     z, w, yaw_rate, forward, left = measured = (*numbers[2:4], numbers[15], *numbers[25:27])
     if not all(map(math.isfinite, measured)):
         raise cdr.MessageError(f"inertial sample must be finite, got {', '.join(map(str, measured))}")
-    return time, ImuSample(np.array([forward, left]), yaw_of(z, w), yaw_rate)
+    yaw = None if numbers[4] == _UNMEASURED[0] else yaw_of(z, w)
+    return time, ImuSample(np.array([forward, left]), yaw, yaw_rate)
 
 
 def encode_fix(stamp: bytes, fix: PositionFix) -> bytes:

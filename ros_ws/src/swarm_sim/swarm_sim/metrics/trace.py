@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
+from swarm_sim.metrics.camera import CameraScores
 from swarm_sim.metrics.totals import RunTotals, run_totals
 from swarm_sim.simulation import TickTruth
 
@@ -30,6 +32,8 @@ class Trace:
         True positions at the start of each tick [m].
     yaws : (t, n) array
         True headings at the start of each tick [rad].
+    headings : (t, n) array
+        That the robots believed in, NaN where they reported none [rad].
     alive : (t, n) bool array
         Whether the robot's electronics worked in the tick.
     estimates : (t, n, 2) array
@@ -52,6 +56,7 @@ class Trace:
     tick_times: FloatArray
     tick_positions: FloatArray
     yaws: FloatArray
+    headings: FloatArray
     alive: np.ndarray
     estimates: FloatArray
     covariances: FloatArray
@@ -80,34 +85,48 @@ class TraceRecorder:
         Ascending, in the order of the truth's rows.
     period_s : float
         Duration of a tick [s].
+
+    Attributes
+    ----------
+    camera : CameraScores
+        How right the overhead camera was, where there is one.
     """
 
     def __init__(self, robots: Sequence[NodeId], period_s: float) -> None:
         self._robots = tuple(robots)
         self._row_of = {robot: row for row, robot in enumerate(self._robots)}
         self._period = period_s
+        self.camera = CameraScores()
         self._truths: list[TickTruth] = []
         self._estimates: list[FloatArray] = []
         self._covariances: list[FloatArray] = []
+        self._headings: list[FloatArray] = []
         self._states: list[IntArray] = []  # (n, 4): mode, goal, positioning, beacons
 
     def __len__(self) -> int:
         return len(self._truths)
 
-    def record(self, truth: TickTruth, reports: Mapping[NodeId, AgentReport]) -> None:
-        """Append one tick."""
+    def record(
+        self, truth: TickTruth, reports: Mapping[NodeId, AgentReport], camera: CameraReport | None = None
+    ) -> None:
+        """Append one tick, in which an image may have been taken."""
         count = len(self._robots)
+        headings = np.full(count, np.nan)
         estimates, covariances = np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan)
         states = np.full((count, 4), NOTHING, dtype=np.int64)
         states[:, 3] = 0
         for robot, report in reports.items():
             row = self._row_of[robot]
             estimates[row], covariances[row] = report.position, report.covariance
+            headings[row] = report.yaw if np.isfinite(report.position).all() else np.nan
             states[row] = report.mode, report.goal, report.localization.positioning, report.beacons
         self._truths.append(truth)
         self._estimates.append(estimates)
         self._covariances.append(covariances)
+        self._headings.append(headings)
         self._states.append(states)
+        if camera is not None:
+            self.camera.take(camera, self._row_of, truth.positions, truth.yaws)
 
     def totals(self) -> RunTotals:
         """Return the sums over everything recorded so far."""
@@ -123,6 +142,7 @@ class TraceRecorder:
             tick_times=np.array([truth.time for truth in truths], dtype=np.float64),
             tick_positions=_stacked([truth.positions for truth in truths], (ticks, count, 2)),
             yaws=_stacked([truth.yaws for truth in truths], (ticks, count)),
+            headings=_stacked(self._headings, (ticks, count)),
             alive=np.array([truth.alive for truth in truths], dtype=bool).reshape(ticks, count),
             estimates=_stacked(self._estimates, (ticks, count, 2)),
             covariances=_stacked(self._covariances, (ticks, count, 2, 2)),

@@ -11,6 +11,7 @@ from typing import Any
 
 from rclpy.executors import Executor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.task import Future
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import UInt16
@@ -21,10 +22,10 @@ from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.frames import Batch, pack_batch
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.robots import THESIS_TYPES
-from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
+from swarm_msgs_py.ros import camera, cdr, channels, convert, parameters, views
 from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.spin import run_with_ros
-from swarm_msgs_py.step_io import AgentInputs
+from swarm_msgs_py.step_io import AgentInputs, MissionInputs
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.answers import AnswerBook, Answers
@@ -87,6 +88,11 @@ class WorldNode(Node):
             for robot in simulation.robots
         }
         self._mission_rx = channels.publisher(self, topics.RADIO_RX, MISSION)
+        self._images: Publisher | None = None
+        if simulation.camera_info is not None:
+            self._images = channels.publisher(self, topics.CAMERA_IMAGE)
+            self._camera_info = channels.publisher(self, topics.CAMERA_INFO)
+            self._camera_info.publish(camera.info_message(simulation.camera_info))
         for robot in simulation.robots:
             self._listen(topics.CMD_VEL, convert.decode_command, self._take_command, robot)
         for node in (*simulation.robots, MISSION):
@@ -122,8 +128,7 @@ class WorldNode(Node):
         stamp = cdr.stamp(seen.time)
         self._clock_topic.publish(Clock(clock=views.time_message(seen.time)))
         if self._is_mission_on:
-            batch = pack_batch(seen.tick, Parts.NONE, seen.mission.inbox)
-            self._mission_rx.publish(convert.encode_batch(batch))  # first, for the plan takes it longest
+            self._publish_to_mission(seen.mission)  # first, for the plan takes it longest
         for robot, inputs in seen.agents.items():
             self._publish_senses(robot, stamp, inputs)
         self._check()
@@ -151,6 +156,12 @@ class WorldNode(Node):
         """Return, once, the nodes that have died because the scenario says so."""
         died, self._died = tuple(self._died), []
         return died
+
+    def _publish_to_mission(self, inputs: MissionInputs) -> None:
+        parts = Parts.NONE if inputs.image is None else Parts.IMAGE
+        self._mission_rx.publish(convert.encode_batch(pack_batch(inputs.tick, parts, inputs.inbox)))
+        if inputs.image is not None and self._images is not None:
+            self._images.publish(camera.encode_image(inputs.image))
 
     def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
         """Publish what a robot senses. What is empty stays unsaid: a message costs far more time than its bytes do."""

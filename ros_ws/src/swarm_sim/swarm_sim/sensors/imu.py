@@ -50,7 +50,8 @@ class Imu:
         measured += self.bias + self._config.sigma_mps2 * noise[:, :2]
         measured.flags.writeable = False
         yaws = (bodies.yaws + self._config.yaw_sigma_rad * noise[:, 2]).tolist()
+        has_compass = self._config.has_compass
         return [
-            ImuSample(acceleration, yaw, rate)
+            ImuSample(acceleration, yaw if has_compass else None, rate)
             for acceleration, yaw, rate in zip(measured, yaws, bodies.yaw_rates.tolist(), strict=True)
         ]

@@ -48,7 +48,7 @@ class Ranging:
             Links and distances of the radios now, robots first.
         """
         n = len(self._ids)
-        if tick % self._every:
+        if not self._config.is_on or tick % self._every:
             return [_NO_SCAN] * n
         rows, columns = np.nonzero(links.connected[:n, :n])
         if self._config.model is RangingModel.POSITION:

@@ -1,4 +1,4 @@
-"""Rigid bodies with contacts on rough ground, by PyBullet; the only module that imports it.
+"""Rigid bodies with contacts on rough ground, by PyBullet.
 
 Contact spheres roll freely: the ground has no Coulomb friction (Bullet multiplies the coefficients of two bodies), the
 rolling resistance is the viscous force b v, and mu1 acts between hulls and walls (spec section 2, erratum E21).
@@ -6,43 +6,21 @@ rolling resistance is the viscous force b v, and mu1 acts between hulls and wall
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import chain
 
 import numpy as np
 
 from swarm_msgs_py.errors import PhysicsError
-from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray
+from swarm_sim.bullet import pybullet
 from swarm_sim.config import Ground, SimConfig
-from swarm_sim.firmware.servo_gains import servo_gains
-from swarm_sim.firmware.velocity_servo import HeadingServo, VelocityServo, wrap_angle
-from swarm_sim.scene import Scene
-from swarm_sim.world.chassis import CENTER_HEIGHT_M, Chassis
+from swarm_sim.firmware.velocity_servo import wrap_angle
+from swarm_sim.scene import RobotSpec, Scene
+from swarm_sim.world.chassis import Chassis
+from swarm_sim.world.drives import make_drive
 from swarm_sim.world.obstacles import convex_pieces
 from swarm_sim.world.terrain import CELL_M, Terrain, make_terrain
 from swarm_sim.world.world import BodyState, Motion, TickGrid, frozen, motion_between
-
-
-@contextmanager
-def _quiet_stderr() -> Iterator[None]:
-    """Keep what C code prints out of the terminal."""
-    sys.stderr.flush()
-    kept, sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(sink, 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(sink)
-
-
-with _quiet_stderr():  # PyBullet announces its build time when it is imported
-    import pybullet
 
 GRAVITY = 9.81
 WALL_HEIGHT_M = 1.5
@@ -67,7 +45,7 @@ POSE_SIZE, VELOCITY_SIZE = 7, 6
 
 
 class PyBulletWorld:
-    """Rigid bodies under velocity and heading servos; implements the `World` protocol.
+    """Rigid bodies that their drives push; implements the `World` protocol.
 
     Parameters
     ----------
@@ -75,7 +53,7 @@ class PyBulletWorld:
     scene : Scene
         Checked scene.
     seed : int
-        Seed of the run; shapes the terrain.
+        Seed of the run; shapes the terrain, and the slip of wheels.
 
     Raises
     ------
@@ -88,11 +66,8 @@ class PyBulletWorld:
     def __init__(self, config: SimConfig, scene: Scene, seed: int) -> None:
         types = [robot.type for robot in scene.robots]
         self._grid = TickGrid.of(config.period_s, config.physics.rate_hz)
-        self._servo = VelocityServo(servo_gains(types, config.servo.gains), types, self._grid.step_s)
         yaws = wrap_angle(np.array([robot.yaw for robot in scene.robots]))
-        self._heading = HeadingServo(yaws, self._grid.step_s)
-        self._friction = np.array([[robot_type.mu2] for robot_type in types])
-        self._turning_inertia = np.array([Chassis.of(robot_type).inertia[2] for robot_type in types])
+        self._drive = make_drive(config, types, yaws, self._grid.step_s, seed)
         terrain = make_terrain(config.terrain, scene.bounds, seed)
         self._floor = float(terrain.heights.min()) - SINK_LIMIT_M
 
@@ -118,16 +93,13 @@ class PyBulletWorld:
         if self._client < 0:
             raise PhysicsError("the world is closed")
         start = self._state
-        grid, servo, heading, friction = self._grid, self._servo, self._heading, self._friction
+        grid, drive = self._grid, self._drive
         velocities, yaw_rates, yaws = start.velocities, start.yaw_rates, start.yaws
         centers = np.column_stack([start.positions, start.heights])
-        drive = setpoints[:, 0] + 1j * setpoints[:, 1]  # a complex number turns with one product
         forces = np.zeros_like(centers)
         states, sampled = [], set(grid.sampled.tolist())
         for k in range(1, grid.steps + 1):
-            wanted = (drive * np.exp(1j * yaws)).view(np.float64).reshape(-1, 2)
-            forces[:, :2] = servo.force(wanted, velocities) - friction * velocities
-            torques = self._turning_inertia * heading.acceleration(setpoints[:, 2], yaws, yaw_rates)
+            forces[:, :2], torques = drive.push(setpoints, velocities, yaws, yaw_rates)
             self._push(forces, centers, torques)
             pybullet.stepSimulation(self._client)
             if k in sampled:
@@ -211,11 +183,9 @@ class _SceneBuilder:
                 self._add_wall(piece, terrain, grip)
         for side in _fence(terrain):
             self._add_wall(side, terrain, grip)
-        shapes = {robot_type: self._chassis_shape(robot_type) for robot_type in dict.fromkeys(types)}
-        return [
-            self._add_robot(robot.type, shapes[robot.type], (*robot.position, robot.yaw), terrain)
-            for robot in scene.robots
-        ]
+        bodies = {robot_type: Chassis.of(robot_type, config.drive) for robot_type in dict.fromkeys(types)}
+        shapes = {robot_type: self._chassis_shape(chassis) for robot_type, chassis in bodies.items()}
+        return [self._add_robot(robot, bodies[robot.type], shapes[robot.type], terrain) for robot in scene.robots]
 
     def _add_ground(self, ground: Ground, terrain: Terrain) -> None:
         if ground is Ground.PLANE:
@@ -247,8 +217,7 @@ class _SceneBuilder:
         pybullet.changeDynamics(body, -1, lateralFriction=friction, physicsClientId=self._client)
         pybullet.setCollisionFilterGroupMask(body, -1, STATIC_GROUP, ROBOT_GROUP, physicsClientId=self._client)
 
-    def _chassis_shape(self, robot_type: RobotType) -> int:
-        chassis = Chassis.of(robot_type)
+    def _chassis_shape(self, chassis: Chassis) -> int:
         spheres = len(chassis.spheres)
         shape: int = pybullet.createCollisionShapeArray(
             shapeTypes=[pybullet.GEOM_SPHERE] * spheres + [pybullet.GEOM_CYLINDER],
@@ -260,11 +229,10 @@ class _SceneBuilder:
         )
         return shape
 
-    def _add_robot(self, robot_type: RobotType, shape: int, pose: tuple[float, float, float], terrain: Terrain) -> int:
-        chassis = Chassis.of(robot_type)
-        x, y, yaw = pose
-        height, orientation = _stand(chassis, np.array([x, y]), yaw, terrain)
-        body = self._add_body(robot_type.mass_kg, shape, (x, y, height), orientation)
+    def _add_robot(self, robot: RobotSpec, chassis: Chassis, shape: int, terrain: Terrain) -> int:
+        robot_type = robot.type
+        height, orientation = _stand(chassis, np.array(robot.position), robot.yaw, terrain)
+        body = self._add_body(robot_type.mass_kg, shape, (*robot.position, height), orientation)
         pybullet.changeDynamics(
             body,
             -1,
@@ -310,7 +278,7 @@ def _stand(
     cos, sin = np.cos(yaw), np.sin(yaw)
     feet = chassis.spheres[:, :2] @ np.array([[cos, sin], [-sin, cos]])
     ground = terrain.heights_at(point + feet)
-    # The plane through four feet on a square: least squares has this closed form.
+    # The plane through three or four feet, evenly spread on a circle: least squares has this closed form.
     slope = feet.T @ (ground - ground.mean()) / (feet[:, 0] ** 2).sum()
     lift = float((ground - feet @ slope).max())
     # Turn about the vertical, then tilt the vertical onto the plane's normal.
@@ -320,7 +288,7 @@ def _stand(
     _, orientation = pybullet.multiplyTransforms(
         [0.0, 0.0, 0.0], tilt.tolist(), [0.0, 0.0, 0.0], [0.0, 0.0, float(np.sin(yaw / 2.0)), float(np.cos(yaw / 2.0))]
     )
-    return lift + CENTER_HEIGHT_M * float(np.sqrt(1.0 + slope @ slope)), orientation
+    return lift + chassis.center_height * float(np.sqrt(1.0 + slope @ slope)), orientation
 
 
 def _fence(terrain: Terrain) -> list[FloatArray]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 
 from swarm_msgs_py.errors import PhysicsError
-from swarm_sim.config import Backend, SimConfig
+from swarm_sim.config import Backend, Drive, SimConfig
 from swarm_sim.scene import Scene
 from swarm_sim.world.massdamper_world import MassDamperWorld
+from swarm_sim.world.wheeled_world import WheeledWorld
 from swarm_sim.world.world import World
 
 
@@ -20,7 +21,7 @@ def make_world(config: SimConfig, scene: Scene, seed: int) -> World:
     scene : Scene
         Checked scene.
     seed : int
-        Seed of the run; shapes the terrain.
+        Seed of the run; shapes the terrain, and the slip of wheels.
 
     Raises
     ------
@@ -28,7 +29,8 @@ def make_world(config: SimConfig, scene: Scene, seed: int) -> World:
         If the back end is not installed or refuses the scene.
     """
     if config.physics.backend is Backend.MASSDAMPER:
-        return MassDamperWorld(config, scene)
+        has_wheels = config.drive.kind is Drive.OMNI_WHEELS
+        return WheeledWorld(config, scene, seed) if has_wheels else MassDamperWorld(config, scene)
     try:
         # Imported on demand: the other back end must work where this one is not installed.
         module = import_module("swarm_sim.world.pybullet_world")

@@ -1,0 +1,1 @@
+"""Overhead images -> where robots are: calibration, colors, discs, covers."""

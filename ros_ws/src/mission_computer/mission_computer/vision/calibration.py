@@ -1,0 +1,181 @@
+"""Where the camera is, from the four marks on the floor, and which point of the arena each pixel shows.
+
+The marks' middles are measured to a few hundredths of a pixel; the pose that explains them best is found with OpenCV
+(IPPE of Collins and Bartoli, 2014, for a plane, then Levenberg-Marquardt). Lens distortion is undone once, for the grid
+of all pixels, instead of once per image: afterwards a pixel's point on a plane is a look-up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from mission_computer.vision.light import linear_light
+from swarm_msgs_py.markers import FloorMarks
+from swarm_msgs_py.messages.camera import CameraInfo, ImageArray
+from swarm_msgs_py.types import FloatArray
+
+MARK_AREA_PX = (20, 4000)
+"""Smallest and largest mark [pixels]; covers of robots are larger."""
+MARK_ASPECT = 1.35
+"""Largest ratio of the sides of a mark's bounding box."""
+MARK_FILL = (0.65, 0.92)
+"""Share of its bounding box that a disc fills: pi / 4, give or take pixels."""
+MARK_SPREAD = 1.6
+"""Largest ratio of the areas of two marks: they are equal, and the camera looks down."""
+MARK_MARGIN_PX = 4
+MARK_CONTRAST_CODES = 30
+"""How much darker than its surroundings a pixel of a mark is, at least [codes of 255]."""
+NEIGHBORHOOD_SHARE = 8
+"""The surroundings are a square with this part of the image's height as its side: several times a mark."""
+UNDISTORT_CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 60, 1e-10)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibration:
+    """A camera whose place is known.
+
+    Attributes
+    ----------
+    info : CameraInfo
+    rotation : (3, 3) array
+        Turns world vectors into the camera frame.
+    translation : (3,) array
+        World origin in the camera frame [m].
+    error_px : float
+        Largest distance of a floor mark from where it should appear [pixels].
+    """
+
+    info: CameraInfo
+    rotation: FloatArray
+    translation: FloatArray
+    error_px: float
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Return the pixels (n, 2) in which world points (n, 3) [m] appear; column first."""
+        vector, _ = cv2.Rodrigues(self.rotation)
+        pixels, _ = cv2.projectPoints(points, vector, self.translation, self.info.intrinsics, self.info.distortion)
+        return _floats(pixels).reshape(-1, 2)
+
+    def rays(self, pixels: FloatArray) -> FloatArray:
+        """Return the directions (n, 3), world frame, in which pixels (n, 2) look."""
+        straight = cv2.undistortPoints(
+            pixels.reshape(-1, 1, 2), self.info.intrinsics, self.info.distortion, criteria=UNDISTORT_CRITERIA
+        ).reshape(-1, 2)
+        rays: FloatArray = np.column_stack([straight, np.ones(len(straight))]) @ self.rotation
+        return rays
+
+    def plane_points(self, rays: FloatArray, height: float) -> FloatArray:
+        """Return where rays (n, 3) meet the plane at a height [m], as points (n, 2) [m]."""
+        position = -self.rotation.T @ self.translation
+        along = (height - position[2]) / rays[:, 2:]
+        points: FloatArray = position[:2] + along * rays[:, :2]
+        return points
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneMap:
+    """The point of a plane that each pixel shows.
+
+    Attributes
+    ----------
+    points : (h, w, 2) array
+        World frame [m].
+    areas : (h, w) array
+        Area of the plane that each pixel covers [m^2].
+    """
+
+    points: FloatArray
+    areas: FloatArray
+
+
+def plane_maps(calibration: Calibration, heights: Sequence[float]) -> dict[float, PlaneMap]:
+    """Return the maps of planes at several heights above the floor [m]."""
+    info = calibration.info
+    rows, columns = np.mgrid[: info.height, : info.width]
+    rays = calibration.rays(np.stack([columns, rows], axis=-1).reshape(-1, 2).astype(np.float64))
+    maps = {}
+    for height in sorted(set(heights)):
+        points = calibration.plane_points(rays, height).reshape(info.height, info.width, 2)
+        down, across = (np.asarray(np.gradient(points, axis=axis)) for axis in (0, 1))
+        areas = np.abs(across[:, :, 0] * down[:, :, 1] - across[:, :, 1] * down[:, :, 0])
+        maps[height] = PlaneMap(points, areas)
+    return maps
+
+
+def find_marks(pixels: ImageArray) -> FloatArray | None:
+    """Return the middles of the floor marks (4, 2) [pixels], or None if they do not show.
+
+    The marks are the dark discs that are nearest to the corners of the image, in the order lower left, lower right,
+    upper right, upper left: the upper edge of the image is +y, to within 45 degrees.
+    """
+    gray = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY)
+    # Compared with their own surroundings: in uneven light no one threshold parts floor and marks.
+    window = gray.shape[0] // NEIGHBORHOOD_SHARE | 1
+    dark = cv2.adaptiveThreshold(
+        gray, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, MARK_CONTRAST_CODES
+    )
+    _, _, stats, middles = cv2.connectedComponentsWithStats(dark)
+    height, width = gray.shape
+    left, top, wide, high, area = (stats[:, column].astype(np.float64) for column in range(5))
+    fill, aspect = area / (wide * high), np.maximum(wide / high, high / wide)
+    is_mark = (
+        ((area >= MARK_AREA_PX[0]) & (area <= MARK_AREA_PX[1]) & (aspect <= MARK_ASPECT))
+        & ((fill >= MARK_FILL[0]) & (fill <= MARK_FILL[1]))
+        & ((left >= MARK_MARGIN_PX) & (top >= MARK_MARGIN_PX))
+        & ((left + wide <= width - MARK_MARGIN_PX) & (top + high <= height - MARK_MARGIN_PX))
+    )
+    candidates = np.flatnonzero(is_mark)
+    if len(candidates) < 4:
+        return None
+    corners = np.array([(0, height), (width, height), (width, 0), (0, 0)], dtype=np.float64)
+    apart = np.linalg.norm(middles[candidates][None] - corners[:, None], axis=2)
+    chosen = candidates[apart.argmin(axis=1)]
+    if len(set(chosen.tolist())) < 4 or area[chosen].max() > MARK_SPREAD * area[chosen].min():
+        return None
+    return np.stack([_refined(np.asarray(gray, dtype=np.uint8), *stats[row, :4].tolist()) for row in chosen])
+
+
+def calibrate(marks_px: FloatArray, info: CameraInfo, marks: FloorMarks) -> Calibration | None:
+    """Return the place of the camera from the middles of the floor marks (4, 2) [pixels].
+
+    Returns
+    -------
+    Calibration or None
+        None if no camera above the floor sees them so.
+    """
+    floor = np.column_stack([marks.centers, np.zeros(4)])
+    found, vectors, shifts, _ = cv2.solvePnPGeneric(
+        floor, marks_px, info.intrinsics, info.distortion, flags=cv2.SOLVEPNP_IPPE
+    )
+    best: Calibration | None = None
+    for vector, shift in zip(vectors[:found], shifts[:found], strict=True):
+        refined = cv2.solvePnPRefineLM(floor, marks_px, info.intrinsics, info.distortion, vector.copy(), shift.copy())
+        rotation, _ = cv2.Rodrigues(refined[0])
+        place = Calibration(info, _floats(rotation), _floats(refined[1]).ravel(), 0.0)
+        error = float(np.linalg.norm(place.project(floor) - marks_px, axis=1).max())
+        is_above = float((-place.rotation.T @ place.translation)[2]) > 0.0
+        if is_above and (best is None or error < best.error_px):
+            best = Calibration(info, place.rotation, place.translation, error)
+    return best
+
+
+def _floats(array: object) -> FloatArray:
+    """Return what OpenCV gave back with the type that it has."""
+    return np.asarray(array, dtype=np.float64)
+
+
+def _refined(gray: ImageArray, left: int, top: int, wide: int, high: int) -> FloatArray:
+    """Return the middle (2,) of a dark disc on a light floor: centroid of the light that it takes away [pixels]."""
+    pad = MARK_MARGIN_PX
+    light = linear_light(gray[top - pad : top + high + pad, left - pad : left + wide + pad])
+    rim = np.concatenate([light[0], light[-1], light[:, 0], light[:, -1]])
+    floor, core = float(np.median(rim)), float(np.percentile(light, 5.0))
+    taken = np.clip((floor - light) / (floor - core), 0.0, 1.0)
+    taken[taken < 0.1] = 0.0  # the grain of the floor is no part of the mark
+    rows, columns = np.mgrid[top - pad : top + high + pad, left - pad : left + wide + pad]
+    middle: FloatArray = np.array([(taken * columns).sum(), (taken * rows).sum()]) / float(taken.sum())
+    return middle

@@ -1,0 +1,1 @@
+"""The overhead camera of the arena: true bodies -> images."""

@@ -1,0 +1,117 @@
+"""One run of the camera study: one camera, freshly mounted, and a sequence of images that have nothing in common."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from mission_computer.vision.camera_localizer import CameraLocalizer
+from mission_computer.vision.config import VisionConfig
+from studies.camera_cases import Case, arena_markers, hard_case, in_view, plain_case
+from studies.camera_scores import Scores
+from swarm_msgs_py.markers import FloorMarks
+from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus
+from swarm_msgs_py.randomness import rng_for
+from swarm_msgs_py.types import BoolArray
+from swarm_sim.camera.overhead_camera import OverheadCamera, blacken_half
+from swarm_sim.config import CameraConfig
+
+FRAME_S = 100.0
+"""Time between two images [s]: so long that no track helps."""
+FALSE_M = 0.03
+"""A fix farther than this from its robot [m] is of something else; less than half of the smallest cover."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a worker needs to know.
+
+    Attributes
+    ----------
+    seed : int
+        Of camera, light and images.
+    images : int
+        How many count, after those from which the camera is calibrated.
+    """
+
+    seed: int
+    images: int
+
+    @property
+    def key(self) -> str:
+        """Return what distinguishes this run from any other."""
+        return f"seed={self.seed},images={self.images}"
+
+
+def perform(run: Run) -> Scores:
+    """Take the images of a run and read them; equal runs give equal scores, but for the time they took."""
+    cv2.setNumThreads(1)
+    markers, marks, vision = arena_markers(), FloorMarks(), VisionConfig()
+    config = _varied(CameraConfig(is_on=True), run.seed)
+    camera = OverheadCamera(config, markers, marks, run.seed)
+    localizer = CameraLocalizer(vision, markers, marks)
+    scores, costs = Scores(images=run.images), []
+    for number in range(-vision.calibration_frames, run.images):
+        rng = rng_for(run.seed, "camera study", number + vision.calibration_frames)
+        case = plain_case(markers, rng) if number < 0 else hard_case(markers, rng)
+        instant = FRAME_S * (number + vision.calibration_frames)
+        image = camera.take(number + vision.calibration_frames, instant, case.positions, case.yaws, case.spots)
+        assert image is not None  # nobody switched the camera off
+        if case.is_half_black:
+            blacken_half(image.pixels)
+        began = time.thread_time()
+        report = localizer.locate(image, camera.info)
+        if number >= 0:
+            costs.append(1e3 * (time.thread_time() - began))
+            scores = _counted(scores, report, case, in_view(case, markers, camera.optics))
+    return replace(scores, cost_ms=tuple(np.percentile(costs, (50.0, 99.0)).tolist()))
+
+
+def _varied(config: CameraConfig, seed: int) -> CameraConfig:
+    """Return another light, lens and sensor for each seed."""
+    rng = rng_for(seed, "camera study settings")
+    return replace(
+        config,
+        radial_distortion=float(rng.uniform(-0.1, 0.0)),
+        light_gradient=float(rng.uniform(0.0, 0.5)),
+        vignette=float(rng.uniform(0.0, 0.3)),
+        noise_codes=float(rng.uniform(1.0, 4.0)),
+        spot_px=float(rng.uniform(1.0, 2.0)),
+    )
+
+
+def _counted(scores: Scores, report: CameraReport, case: Case, seen: BoolArray) -> Scores:
+    """Return the scores with one more image."""
+    found = {int(fix.robot): fix for fix in report.fixes}
+    fixes = [fix for robot, fix in sorted(found.items()) if seen[robot]]
+    errors = [float(np.hypot(*(fix.position - case.positions[fix.robot]))) for fix in fixes]
+    turns = [float(abs((fix.yaw - case.yaws[fix.robot] + np.pi) % (2.0 * np.pi) - np.pi)) for fix in fixes]
+    false = sum(float(np.hypot(*(fix.position - case.positions[fix.robot]))) > FALSE_M for fix in report.fixes)
+    hidden = Counter(r.reason.value for r in report.rejections if not seen[r.robot])
+    missed = Counter(r.reason.value for r in report.rejections if seen[r.robot])
+    if report.status is not CameraStatus.OK:
+        missed[report.status.value] += int(seen.sum())
+    # A fix of something else is a false identity; it would only blur what the errors of true fixes are.
+    true = [(error, turn) for error, turn in zip(errors, turns, strict=True) if error <= FALSE_M]
+    return replace(
+        scores,
+        in_view=scores.in_view + int(seen.sum()),
+        found=scores.found + len(true),
+        false=scores.false + false,
+        beyond_view=scores.beyond_view + int((~seen).sum()),
+        found_beyond=scores.found_beyond + len(found) - len(fixes),
+        square_sum_m2=scores.square_sum_m2 + sum(error**2 for error, _ in true),
+        max_m=max([scores.max_m, *(error for error, _ in true)]),
+        square_sum_rad2=scores.square_sum_rad2 + sum(turn**2 for _, turn in true),
+        max_rad=max([scores.max_rad, *(turn for _, turn in true)]),
+        missed=_added(scores.missed, missed),
+        hidden=_added(scores.hidden, hidden),
+    )
+
+
+def _added(one: dict[str, int], other: Counter[str]) -> dict[str, int]:
+    return dict(sorted((Counter(one) + other).items()))

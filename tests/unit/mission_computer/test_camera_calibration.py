@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from table_top import STARTS, YAWS, camera, picture
+
+from mission_computer.vision.calibration import calibrate, find_marks, plane_maps
+from swarm_msgs_py.markers import FloorMarks
+
+MARKS = FloorMarks()
+FLOOR = np.column_stack([MARKS.centers, np.zeros(4)])
+
+
+def test_marks_are_found_to_a_small_part_of_a_pixel() -> None:
+    found = find_marks(picture().pixels)
+
+    assert found is not None
+    assert_allclose(found, camera().optics.project(FLOOR), atol=0.25)  # the grain of the floor
+
+
+def test_marks_are_found_in_strongly_uneven_light() -> None:
+    uneven = camera(seed=1, light_gradient=0.6, vignette=0.3)
+    shot = uneven.take(0, 0.0, STARTS, YAWS)
+
+    assert shot is not None
+    found = find_marks(shot.pixels)
+    assert found is not None
+    assert_allclose(found, uneven.optics.project(FLOOR), atol=0.3)
+
+
+@pytest.mark.parametrize("side", ["left", "top"])
+def test_without_all_marks_there_is_no_view(side: str) -> None:
+    pixels = picture().pixels
+    if side == "left":
+        pixels[:, :320] = 0
+    else:
+        pixels[:60] = 190
+
+    assert find_marks(pixels) is None
+
+
+def test_exact_marks_give_the_exact_place() -> None:
+    optics = camera().optics
+
+    place = calibrate(optics.project(FLOOR), optics.info, MARKS)
+
+    assert place is not None
+    assert place.error_px < 1e-4
+    assert_allclose(-place.rotation.T @ place.translation, optics.position, atol=1e-5)
+    assert_allclose(place.rotation, optics.rotation, atol=1e-5)
+
+
+def test_marks_in_wrong_places_show_as_an_error() -> None:
+    optics = camera().optics
+    pixels = optics.project(FLOOR)
+    pixels[0] += (25.0, 0.0)
+
+    place = calibrate(pixels, optics.info, MARKS)
+
+    assert place is None or place.error_px > 2.0
+
+
+def test_the_map_of_a_plane_agrees_with_the_optics_of_the_simulator() -> None:
+    """Two independent implementations of the same lens: OpenCV's here, our own there."""
+    optics = camera().optics
+    place = calibrate(optics.project(FLOOR), optics.info, MARKS)
+    assert place is not None
+
+    maps = plane_maps(place, [0.0, 0.12])
+
+    pixels = np.array([(0, 0), (639, 0), (320, 240), (17, 401), (639, 479)])
+    for height, plane in maps.items():
+        points = optics.plane_points(optics.rays(pixels.astype(float)), height)
+        assert_allclose(plane.points[pixels[:, 1], pixels[:, 0]], points, atol=2e-5)
+
+
+def test_pixel_areas_add_up_to_the_area_of_what_they_show() -> None:
+    optics = camera().optics
+    place = calibrate(optics.project(FLOOR), optics.info, MARKS)
+    assert place is not None
+
+    plane = plane_maps(place, [0.12])[0.12]
+
+    inside = (np.abs(plane.points) <= 0.9).all(axis=2)
+    assert plane.areas[inside].sum() == pytest.approx(1.8**2, rel=0.005)
