@@ -34,6 +34,7 @@ ROSDEP_KEYS = {
     "pybullet": "python3-pybullet-pip",
     "scipy": "python3-scipy",
     "shapely": "python3-shapely",
+    "trimesh": "python3-trimesh-pip",
     "yaml": "python3-yaml",
 }
 """Name to import -> key in the rosdep database."""

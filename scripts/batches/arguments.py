@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from batches.cells import BACKEND, Design
-from bringup.arguments import METHODS, SEED_MAX
+from bringup.arguments import SEED_MAX
+from bringup.family import Family
+from bringup.formation_kind import METHODS
 from bringup.option_types import OneLineParser, choice, folder, whole
 from bringup.scenario_file import FORCE_TASKS, ROBOT_COUNT, Override, parse_assignment, scenario_names
 from swarm_msgs_py.messages.bodies import Objective
@@ -95,6 +97,7 @@ def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
 
 
 def _make_parser() -> argparse.ArgumentParser:
+    ready_made = scenario_names(Family.FORMATION)
     parser = OneLineParser(
         prog="monte_carlo.py",
         description="Compare methods over many random starts: every scenario with every shape, method and objective "
@@ -104,7 +107,7 @@ def _make_parser() -> argparse.ArgumentParser:
         "or methods may be added: tables are of all that the folder has results of. Examples: 'monte_carlo.py --method "
         "bubble-packing voronoi --shape formation_1 formation_2 --seeds 200'; 'monte_carlo.py --seeds 201:1000 "
         "--scheduler tcp://10.0.0.1:8786' (its workers: "
-        f"'PYTHONPATH=scripts dask worker ADDRESS --nthreads 1'). Ready-made scenarios: {', '.join(scenario_names())}. "
+        f"'PYTHONPATH=scripts dask worker ADDRESS --nthreads 1'). Ready-made scenarios: {', '.join(ready_made)}. "
         "Exit code 0: done, whatever the runs came to; 1: a worker, the cluster or the disk failed; 2: bad input, "
         "nothing was written; 130: interrupted, what was done is kept.",
         allow_abbrev=False,

@@ -8,25 +8,22 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from bringup.family import Kind
+from bringup.kinds import KINDS
 from bringup.option_types import OneLineParser, choice, folder, whole
 from bringup.scenario_file import (
-    FORCE_TASKS,
     ROBOT_COUNT,
     Override,
-    map_override,
-    method_overrides,
+    family_of,
     parse_assignment,
     scenario_names,
-    shape_override,
 )
+from mission_computer.shape.library import suggestion
 from swarm_msgs_py.errors import ConfigError
-from swarm_msgs_py.partition import Method
 from swarm_sim.config import Backend
 
 DEMO = "demo"
 SEED_MAX = 2**32 - 1
-METHODS = (*(method.value for method in Method), *FORCE_TASKS)
-"""Methods as the command line names them."""
 
 
 class EngineKind(Enum):
@@ -110,8 +107,8 @@ def _make_parser() -> argparse.ArgumentParser:
     add("--scenario", metavar="NAME|FILE", default=DEMO, help="what to run (default: %(default)s)")
     add("--shape", metavar="NAME|FILE", help="form this shape instead of the scenario's")
     add("--map", metavar="NAME|FILE", help="in this arena instead of the scenario's")
-    add("--method", metavar="M", type=choice(Method, *FORCE_TASKS),
-        help=f"how the shape is formed: {', '.join(METHODS)}")  # fmt: skip
+    methods = "; ".join(f"{family.value}: {', '.join(kind.methods)}" for family, kind in KINDS.items())
+    add("--method", metavar="M", help=f"how the shape is formed ({methods})")
     add("--agents", metavar="N", type=whole(1, 1000), help="number of robots; keeps the mix of types")
     add("--seed", metavar="S", type=whole(0, SEED_MAX), help="seed of everything that is drawn")
     add("--engine", metavar="ENGINE", type=choice(EngineKind), default=EngineKind.ROS.value,
@@ -131,16 +128,30 @@ def _make_parser() -> argparse.ArgumentParser:
 def _overrides(given: argparse.Namespace) -> tuple[Override, ...]:
     """Return the overrides in a fixed order; ``--set`` comes last, being the most particular."""
     overrides: list[Override] = []
+    kind = KINDS[family_of(given.scenario)]
     if given.shape is not None:
-        overrides.append(shape_override(given.shape))
+        overrides.append(kind.shape_override(given.shape))
     if given.map is not None:
-        overrides.append(map_override(given.map))
+        overrides.append(kind.map_override(given.map))
     if given.method is not None:
-        overrides += method_overrides(given.method)
+        overrides += kind.method_overrides(_method(kind, given.method))
     if given.agents is not None:
         overrides.append(Override(f"--agents {given.agents}", ROBOT_COUNT, given.agents))
     if given.seed is not None:
         overrides.append(Override(f"--seed {given.seed}", "seed", given.seed))
     if given.physics is not None:
-        overrides.append(Override(f"--physics {given.physics}", "sim.physics.backend", given.physics))
-    return (*overrides, *(parse_assignment(text) for text in given.set))
+        overrides.append(kind.physics_override(given.physics))
+    return (*overrides, *(parse_assignment(text, kind.scenario) for text in given.set))
+
+
+def _method(kind: Kind, name: str) -> str:
+    """Return a method of the scenario's family.
+
+    Raises
+    ------
+    ConfigError
+        If it is none, with the nearest one.
+    """
+    if name not in kind.methods:
+        raise ConfigError(f"--method: there is no '{name}'; {suggestion(name, kind.methods)}")
+    return name

@@ -15,18 +15,16 @@ from typing import TextIO
 from rich.console import Console
 
 from bringup.arguments import Arguments, EngineKind, parse_arguments
-from bringup.compose import ScenarioActors
-from bringup.engine import Engine
+from bringup.engine import Actors, Engine
+from bringup.families import BEHAVIORS
+from bringup.family import AnyScenario
 from bringup.filming import FILM, FilmOrder
 from bringup.inprocess import InProcessEngine
-from bringup.installation import check_physics
 from bringup.interruption import Interruption
 from bringup.progress import Progress, print_summary
-from bringup.resolution import resolve
-from bringup.run import Journal, execute, write_results
+from bringup.run import Run, execute, metrics_text, write_results
 from bringup.run_folder import RunFolder, reserve_default
-from bringup.scenario import Scenario
-from bringup.scenario_file import load_scenario
+from bringup.scenario_file import load_any
 from bringup.steady_stream import steady
 from swarm_msgs_py.errors import ConfigError, PhysicsError, ShapeError, SwarmError
 
@@ -61,28 +59,29 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
         As long as there is nothing to keep.
     """
     with interruption.welcome():
-        scenario, origin = load_scenario(arguments.scenario, arguments.overrides)
+        scenario, origin = load_any(arguments.scenario, arguments.overrides)
         _check_installation(arguments, scenario)
-        scenario = resolve(scenario, origin)
-        actors = ScenarioActors(scenario)
+        behavior = BEHAVIORS[scenario.family]
+        scenario = behavior.resolve(scenario, origin)
+        actors = behavior.actors(scenario)
+        film_hz = behavior.film_hz(scenario) if arguments.show else None
     folder = RunFolder(arguments.out) if arguments.out is not None else reserve_default(scenario, RUNS)
     try:
-        engine = _make_engine(arguments, actors, folder)
-        with Progress(console, scenario.robots.count) as progress:
-            progress.say(
-                f"{scenario.name}: {scenario.robots.count} robots, seed {scenario.seed}, {arguments.engine.value}"
-            )
-            journal = Journal(scenario, arguments.engine.value, folder, progress)
-            outcome = execute(scenario, engine, interruption, progress, journal)
+        film = None if film_hz is None else FilmOrder(folder.path / FILM, film_hz)
+        engine = _make_engine(arguments, actors, film)
+        run = Run(scenario, arguments.engine.value, behavior.account(scenario), folder)
+        with Progress(console) as progress:
+            progress.say(f"{scenario.name}: {scenario.robot_count} robots, seed {scenario.seed}, {run.engine}")
+            ended = execute(run, engine, interruption, progress)
         try:
-            metrics = write_results(scenario, arguments.engine.value, outcome, folder, interruption)
+            metrics = write_results(run, ended, interruption)
         except OSError as error:
             print(f"error: {folder.path}: results could not be written ({error.strerror})", file=steady(sys.stderr))
             return INTERRUPTED if interruption.requested else NOT_ACHIEVED
     finally:
         folder.release()
     if arguments.json:
-        stdout.write(metrics.to_json())
+        stdout.write(metrics_text(metrics))
         stdout.flush()
     print_summary(console, metrics, str(folder.path))
     if interruption.requested:
@@ -90,7 +89,7 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
     return ACHIEVED if metrics.achieved else NOT_ACHIEVED
 
 
-def _check_installation(arguments: Arguments, scenario: Scenario) -> None:
+def _check_installation(arguments: Arguments, scenario: AnyScenario) -> None:
     """Refuse what needs a library that is not there.
 
     Raises
@@ -102,14 +101,13 @@ def _check_installation(arguments: Arguments, scenario: Scenario) -> None:
         raise ConfigError(
             "--engine ros: rclpy is not installed; run `make`, or source ROS 2, or use --engine inprocess"
         )
-    if arguments.show and not scenario.sim.camera.is_on:
+    behavior = BEHAVIORS[scenario.family]
+    if arguments.show and behavior.film_hz(scenario) is None:
         raise ConfigError(f"--show: scenario '{scenario.name}' has no camera (sim.camera.is_on); leave the option out")
-    check_physics(scenario)
+    behavior.check_installation(scenario)
 
 
-def _make_engine(arguments: Arguments, actors: ScenarioActors, folder: RunFolder) -> Engine:
-    rate_hz = actors.scenario.sim.camera.rate_hz
-    film = FilmOrder(folder.path / FILM, rate_hz) if arguments.show else None
+def _make_engine(arguments: Arguments, actors: Actors, film: FilmOrder | None) -> Engine:
     if arguments.engine is EngineKind.INPROCESS:
         return InProcessEngine(actors, real_time=arguments.real_time, film=film)
     # Imported on demand: everything else must work where ROS is not installed.

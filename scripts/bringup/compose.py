@@ -43,6 +43,11 @@ class ScenarioActors:
         object.__setattr__(self, "scene", make_scene(self.scenario))
 
     @property
+    def family(self) -> str:
+        """Name of the family of behavior."""
+        return self.scenario.family.value
+
+    @property
     def robots(self) -> tuple[NodeId, ...]:
         """All robots, ascending."""
         return tuple(NodeId(robot) for robot in range(self.scenario.robots.count))

@@ -8,22 +8,50 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 from swarm_msgs_py.config import Config
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.camera import ImageArray
 from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.report import AgentReport, MissionReport
-from swarm_msgs_py.step_io import AgentInputs, AgentOutputs, MissionInputs, MissionOutputs
+from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.types import NodeId
-from swarm_sim.simulation import Simulation, TickTruth
+from swarm_sim.simulation import TickTruth
+from swarm_sim.ticked_world import TickedWorld, Truth
+
+TruthT = TypeVar("TruthT", bound=Truth)
+ReportT = TypeVar("ReportT")
+
+
+class AgentAnswer(Protocol):
+    """All that one robot of any family does in one tick."""
+
+    @property
+    def tick(self) -> int:
+        """Number of the tick."""
+        ...
+
+    @property
+    def command(self) -> Any:
+        """What it asks of its body."""
+        ...
+
+    @property
+    def outbox(self) -> tuple[bytes, ...]:
+        """Frames to transmit."""
+        ...
+
+    @property
+    def report(self) -> Any:
+        """What it says of itself, for people and metrics."""
+        ...
 
 
 class AgentActor(Protocol):
-    """One robot of the swarm."""
+    """One robot of the swarm; what it senses and what it answers is up to its family."""
 
-    def step(self, inputs: AgentInputs) -> AgentOutputs:
+    def step(self, inputs: Any) -> AgentAnswer:
         """Advance by one tick."""
         ...
 
@@ -49,6 +77,11 @@ class Actors(Protocol):
     """Makes the actors of one scenario. Picklable; equal scenarios make equal actors, in whatever process."""
 
     @property
+    def family(self) -> str:
+        """Name of the family of behavior: decides how its steps travel over ROS."""
+        ...
+
+    @property
     def robots(self) -> tuple[NodeId, ...]:
         """All robots, ascending."""
         ...
@@ -72,7 +105,7 @@ class Actors(Protocol):
         """Return the settings of one robot, as its node declares them."""
         ...
 
-    def simulation(self) -> Simulation:
+    def simulation(self) -> TickedWorld:
         """Make the world at tick 0."""
         ...
 
@@ -86,15 +119,15 @@ class Actors(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TickRecord:
+class TickRecord(Generic[TruthT, ReportT]):
     """What happened in one tick, from observation to the end of motion.
 
     Attributes
     ----------
     tick : int
-    truth : TickTruth
-        True states at the start of the tick, and the sampled motion during it.
-    reports : mapping of NodeId to AgentReport
+    truth : TickTruth, or that of another family
+        True states at the start of the tick, and the motion during it.
+    reports : mapping of NodeId to AgentReport, or that of another family
         Of every agent that answered in time.
     mission : MissionReport or None
         None when the mission computer did not answer.
@@ -107,8 +140,8 @@ class TickRecord:
     """
 
     tick: int
-    truth: TickTruth
-    reports: Mapping[NodeId, AgentReport]
+    truth: TruthT
+    reports: Mapping[NodeId, ReportT]
     mission: MissionReport | None
     plan: Plan | None
     alerts: tuple[str, ...] = ()
@@ -118,6 +151,10 @@ class TickRecord:
     def camera(self) -> CameraReport | None:
         """What the image of this tick told; None if there was none."""
         return None if self.mission is None else self.mission.camera
+
+
+FormationRecord = TickRecord[TickTruth, AgentReport]
+"""One tick of the formation family."""
 
 
 class Engine(Protocol):
@@ -134,6 +171,6 @@ class Engine(Protocol):
         """Stop everything that was started; returns within 3 s, also after Ctrl-C."""
         ...
 
-    def ticks(self) -> Iterator[TickRecord]:
+    def ticks(self) -> Iterator[TickRecord[Any, Any]]:
         """Yield one record per tick, in order, without end (the consumer decides when to stop)."""
         ...

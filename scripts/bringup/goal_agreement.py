@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bringup.engine import TickRecord
+from bringup.engine import FormationRecord
 from bringup.labels import node_list
 from swarm_msgs_py.types import NodeId
 
@@ -29,7 +29,7 @@ class GoalAgreement:
         """Whether no robot ever had other goals than its plan; None if no robot had to find them."""
         return not self._differing if self._seen else None
 
-    def take(self, record: TickRecord) -> None:
+    def take(self, record: FormationRecord) -> None:
         """Take in one tick."""
         if record.plan is not None and record.plan.goals_crc:
             self._wanted[record.plan.epoch] = record.plan.goals_crc

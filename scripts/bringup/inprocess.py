@@ -6,11 +6,13 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from threading import Event
+from typing import Any
 
 from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
 from bringup.filming import FilmOrder, filming
 from swarm_msgs_py.types import MISSION, NodeId
-from swarm_sim.simulation import Simulation, death_line
+from swarm_sim.electronics import death_line
+from swarm_sim.ticked_world import TickedWorld
 
 
 class InProcessEngine:
@@ -30,7 +32,7 @@ class InProcessEngine:
         self._open = ExitStack()
         self._film = self._open.enter_context(filming(film))
         self._real_time = real_time
-        self._simulation: Simulation | None = None
+        self._simulation: TickedWorld | None = None
         self._mission: MissionActor | None = None
         self._agents: dict[NodeId, AgentActor] = {}
         self._dead: frozenset[NodeId] = frozenset()  # who has died as the scenario says
@@ -52,7 +54,7 @@ class InProcessEngine:
             self._simulation.close()
             self._simulation = None
 
-    def ticks(self) -> Iterator[TickRecord]:
+    def ticks(self) -> Iterator[TickRecord[Any, Any]]:
         """Yield one record per tick.
 
         Raises
@@ -70,7 +72,7 @@ class InProcessEngine:
                 pause.wait(max(0.0, ahead))
             yield self._tick(self._simulation, self._mission)
 
-    def _tick(self, simulation: Simulation, mission: MissionActor) -> TickRecord:
+    def _tick(self, simulation: TickedWorld, mission: MissionActor) -> TickRecord[Any, Any]:
         """Let everybody answer one tick, then let the world move on."""
         seen = simulation.observe()
         died = simulation.take_died()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,14 +20,14 @@ from bringup.cross_checks import (
     plan_maker,
 )
 from bringup.layout import make_scene, robot_types, walls
+from bringup.origin import Origin, blamed
 from bringup.scenario import MapSpec, Scenario
-from bringup.scenario_file import Origin
 from bringup.shape_specs import ShapeSpec, StageSpec
 from bringup.staging import Staging, check_time, stage_of, stage_plan, written_shape, written_stage
 from mission_computer.shape import check_inside, load_shape
 from mission_computer.shape.arena import load_arena
 from mission_computer.stages import Stage
-from swarm_msgs_py.errors import ConfigError, FrameError, ShapeError
+from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.frames import HELLO_SIZE, ROUTE_ROW
 from swarm_msgs_py.networking.config import NetworkConfig, NetworkModel
 from swarm_msgs_py.partition import Method
@@ -51,37 +49,37 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         One line that names the file or option, the key and the remedy.
     """
     scenario = _with_draws(scenario)
-    with _blamed(origin, "map"):
+    with blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
         assert scenario.map.bounds_m is not None  # just resolved
         check_size(scenario.map.bounds_m)
-    with _blamed(origin, "events"):
+    with blamed(origin, "events"):
         check_events(scenario)
-    with _blamed(origin, "sim.camera"):
+    with blamed(origin, "sim.camera"):
         check_camera(scenario)
-    with _blamed(origin, "mission.partition.gaps"):
+    with blamed(origin, "mission.partition.gaps"):
         check_margins(scenario)
-    with _blamed(origin, "sim.radio"):
+    with blamed(origin, "sim.radio"):
         network_of(scenario)
-    with _blamed(origin, "shape"):
+    with blamed(origin, "shape"):
         contour = _contour(scenario.shape)
         _check_shape(contour, scenario, scenario.shape)
         maker = plan_maker(scenario, Roster.of(robot_types(scenario)), walls(scenario))
         plan = first_plan_of(maker, contour)
-    with _blamed(origin, "robots"):
+    with blamed(origin, "robots"):
         scene = make_scene(scenario)
         check_reach(scenario, scene, plan)
     scenario = _with_stages(scenario, contour, origin)
     for number, stage in enumerate(stages_of(scenario)):
-        with _blamed(origin, f"stages[{number}]"):
+        with blamed(origin, f"stages[{number}]"):
             check_time(scenario, number)
             _check_shape(stage.contour, scenario, scenario.stages[number].shape)
             plan = stage_plan(scenario, maker, stage, plan)
             check_reach(scenario, scene, plan)
     is_elsewhere = scenario.agent.decision.rally_point_m is not None
-    with _blamed(origin, "agent.decision.rally_point_m" if is_elsewhere else "mission.position_m"):
+    with blamed(origin, "agent.decision.rally_point_m" if is_elsewhere else "mission.position_m"):
         check_rally_point(scenario, scene)
-    with _blamed(origin, "sim"):
+    with blamed(origin, "sim"):
         # The world checks how its settings fit together when it is made; the light back end is made in no time.
         light = replace(scenario.sim, physics=replace(scenario.sim.physics, backend=Backend.MASSDAMPER))
         Simulation(light, scene, scenario.seed).close()
@@ -98,9 +96,9 @@ def written_out(scenario: Scenario, origin: Origin) -> Scenario:
     ConfigError
         One line that names the file or option, the key and the remedy.
     """
-    with _blamed(origin, "map"):
+    with blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
-    with _blamed(origin, "shape"):
+    with blamed(origin, "shape"):
         contour = _contour(scenario.shape)
     return _with_contour(_with_stages(scenario, contour, origin), contour)
 
@@ -143,15 +141,6 @@ def network_of(scenario: Scenario) -> NetworkConfig:
         ) from None
 
 
-@contextmanager
-def _blamed(origin: Origin, key: str) -> Iterator[None]:
-    """Put the place to mend in front of what is wrong with `key`."""
-    try:
-        yield
-    except (ConfigError, ShapeError, FrameError) as error:
-        raise ConfigError(f"{origin.of(key)}: {error}") from None
-
-
 def _contour(spec: ShapeSpec) -> FloatArray:
     # Points are handed over as JSON, which load_shape reads in every form that a file may have.
     source = json.dumps(spec.points) if spec.points is not None else spec.file or spec.name
@@ -178,7 +167,7 @@ def _with_stages(scenario: Scenario, first: FloatArray, origin: Origin) -> Scena
     """Return the scenario with the contour of every stage written out."""
     staging, stages = Staging(first, _contour), list[StageSpec]()
     for number, spec in enumerate(scenario.stages):
-        with _blamed(origin, f"stages[{number}]"):
+        with blamed(origin, f"stages[{number}]"):
             stages.append(written_stage(spec, staging.next(spec)))
     return replace(scenario, stages=tuple(stages))
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +10,8 @@ import numpy as np
 from bringup.layout import robot_types, sensor_carriers, walls
 from bringup.scenario import Scenario
 from bringup.stage_results import Ways, motion_results, stage_results
-from bringup.supervisor import Supervisor, Verdict
+from bringup.supervisor import Supervisor
+from bringup.verdict import Timing, Verdict
 from swarm_agent.planning.path_planner import lower_bound_planner
 from swarm_msgs_py.geometry.mesh_quality import MeshQuality, mesh_quality
 from swarm_msgs_py.messages.bodies import Plan
@@ -23,23 +23,9 @@ from swarm_sim.metrics.localization import LocalizationError, localization_error
 from swarm_sim.metrics.settling import Settling, settling
 from swarm_sim.metrics.trace import Trace, TraceRecorder
 
+__all__ = ["WARM_UP_S", "FormationMetrics", "Outcome", "Timing", "formation_metrics", "path_costs"]
+
 WARM_UP_S = 60.0  # spec 14.5: before it, robots are still finding out where they are; of short runs, half
-
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """How a run went by the wall clock.
-
-    Attributes
-    ----------
-    startup_s : float
-        From the start of the engine to the first tick [s].
-    wall_time_s : float
-        From the first tick to the last [s].
-    """
-
-    startup_s: float
-    wall_time_s: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,10 +139,6 @@ class FormationMetrics:
     camera_heading_max_deg: float | None = None
     heading_rmse_deg: float | None = None
     heading_max_deg: float | None = None
-
-    def to_json(self) -> str:
-        """Return the text of ``metrics.json``."""
-        return json.dumps(asdict(self), indent=2, allow_nan=False) + "\n"
 
 
 def formation_metrics(scenario: Scenario, engine: str, outcome: Outcome) -> FormationMetrics:

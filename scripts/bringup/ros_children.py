@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
-from bringup.engine import Actors, AgentActor
+from bringup.engine import Actors, AgentActor, AgentAnswer
+from bringup.family import Family
 from bringup.filming import FilmOrder, filming
 from bringup.link import Link
 from bringup.process_state import computing_s
@@ -28,12 +29,14 @@ from mission_computer.ros.mission_node import MissionNode
 from swarm_agent.ros.agent_node import AgentNode
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config
-from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.plan_goals import forget_goals
+from swarm_msgs_py.ros.coverage_dialect import COVERAGE
+from swarm_msgs_py.ros.dialect import Dialect
+from swarm_msgs_py.ros.formation_dialect import FORMATION
 from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.parameters import declare_config
 from swarm_msgs_py.ros.spin import LEAN, is_matched, spin_for, spin_until, started
-from swarm_msgs_py.step_io import AgentOutputs, MissionOutputs
+from swarm_msgs_py.step_io import MissionOutputs
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
 from swarm_sim.ros.world_node import WorldNode
@@ -43,6 +46,9 @@ CREDIT_WAIT_S = 0.05
 ALIVE_INTERVAL_S = 1.0
 LOG_LEVEL = logging.WARNING  # the operator reads the alerts; what goes well is not worth a line from fifty nodes
 """From which level on the cores' log goes to ROS."""
+
+DIALECTS: Mapping[str, Dialect[Any, Any, Any]] = {Family.FORMATION.value: FORMATION, Family.COVERAGE.value: COVERAGE}
+"""How the steps of each family travel."""
 
 logger = logging.getLogger(__name__)
 
@@ -115,9 +121,9 @@ class Reporter:
     def __init__(self, link: Link, robots: Collection[NodeId]) -> None:
         self._link, self._robots = link, set(robots)
         self._tick = -1
-        self._reports: dict[NodeId, AgentReport] = {}
+        self._reports: dict[NodeId, Any] = {}
 
-    def take(self, robot: NodeId, outputs: AgentOutputs) -> None:
+    def take(self, robot: NodeId, outputs: AgentAnswer) -> None:
         """Take one agent's outputs; its report leaves with the last of the tick."""
         if outputs.tick != self._tick:
             self.send()
@@ -144,12 +150,12 @@ class Reporter:
 def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
     """Be the world until told to stop."""
     supervision = WorldSupervision(link)
-    simulation = actors.simulation()
+    simulation, dialect = actors.simulation(), DIALECTS[actors.family]
     try:
         with started() as executor:
-            node = WorldNode(simulation, actors.period_s, context=executor.context)
+            node = WorldNode(simulation, actors.period_s, dialect, context=executor.context)
             _set_up(node, executor, actors.world_config, pace)
-            if _await_partners(link, executor, [node], _lockstep_topics(actors.robots), supervision.is_over):
+            if _await_partners(link, executor, [node], _lockstep_topics(actors.robots, dialect), supervision.is_over):
                 Lockstep(node, executor, pace, supervision).run()
     finally:
         simulation.close()
@@ -168,7 +174,7 @@ def run_mission(link: Link, actors: Actors, film_order: FilmOrder | None = None)
 
         node = MissionNode(mission, actors.period_s, report, context=executor.context)
         _set_up(node, executor, actors.mission_config)
-        if _await_partners(link, executor, [node], _lockstep_topics(()), supervision.is_over):
+        if _await_partners(link, executor, [node], _lockstep_topics((), DIALECTS[actors.family]), supervision.is_over):
             spin_until(executor, supervision.is_over)
 
 
@@ -180,10 +186,12 @@ class AgentHost:
     link : Link
     executor : Executor
     reporter : Reporter
+    dialect : Dialect
+        How the steps of its robots travel.
     """
 
-    def __init__(self, link: Link, executor: Any, reporter: Reporter) -> None:
-        self._link, self._executor, self._reporter = link, executor, reporter
+    def __init__(self, link: Link, executor: Any, reporter: Reporter, dialect: Dialect[Any, Any, Any]) -> None:
+        self._link, self._executor, self._reporter, self._dialect = link, executor, reporter, dialect
         self._failed: list[NodeId] = []
         self.nodes: dict[NodeId, Any] = {}
 
@@ -197,6 +205,7 @@ class AgentHost:
             period_s,
             lambda outputs: self._reporter.take(robot, outputs),
             lambda error: self._fail(robot, error),
+            self._dialect,
             context=self._executor.context,
             **options,
         )
@@ -218,8 +227,14 @@ class AgentHost:
         self._failed.append(robot)
 
 
-def run_agents(
-    link: Link, agents: Mapping[NodeId, AgentActor], period_s: float, configs: Mapping[NodeId, Config], *, is_lean: bool
+def run_agents(  # noqa: PLR0913 - all that a process of agents may know
+    link: Link,
+    agents: Mapping[NodeId, AgentActor],
+    period_s: float,
+    configs: Mapping[NodeId, Config],
+    *,
+    is_lean: bool,
+    family: str = Family.FORMATION.value,
 ) -> None:
     """Be some robots until told to stop.
 
@@ -235,11 +250,13 @@ def run_agents(
         Their settings, as their nodes declare them.
     is_lean : bool
         Whether the nodes go without parameter services and log topic.
+    family : str
+        Of behavior: decides how steps travel.
     """
     forget_goals()  # a forked process would have the goals before it has heard of a plan
     supervision, reporter = Supervision(link), Reporter(link, agents)
     with started() as executor:
-        host = AgentHost(link, executor, reporter)
+        host = AgentHost(link, executor, reporter, DIALECTS[family])
         for robot, agent in agents.items():
             host.add(robot, agent, period_s, configs[robot], LEAN if is_lean else {})
 
@@ -249,7 +266,11 @@ def run_agents(
             return supervision.is_over()
 
         if _await_partners(
-            link, executor, [*host.nodes.values()], _lockstep_topics(tuple(agents)), supervision.is_over
+            link,
+            executor,
+            [*host.nodes.values()],
+            _lockstep_topics(tuple(agents), DIALECTS[family]),
+            supervision.is_over,
         ):
             spin_until(executor, is_over)
 
@@ -261,9 +282,9 @@ def _set_up(node: Any, executor: Any, *settings: Any) -> None:
     executor.add_node(node)
 
 
-def _lockstep_topics(robots: tuple[NodeId, ...]) -> frozenset[str]:
+def _lockstep_topics(robots: tuple[NodeId, ...], dialect: Dialect[Any, Any, Any]) -> frozenset[str]:
     """Return the topics without which these robots and the mission computer cannot run."""
-    per_robot = (*topics.ROBOT_SENSORS, *topics.ROBOT_ANSWERS)
+    per_robot = (*dialect.sensors, *topics.ROBOT_ANSWERS)
     names = {channel.topic(robot) for robot in robots for channel in per_robot}
     names |= {topics.CAMERA_IMAGE.topic(), topics.CAMERA_INFO.topic()}  # of who has a camera
     return frozenset(names | {channel.topic(MISSION) for channel in topics.MISSION_CHANNELS})

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from bringup.domain_guard import DomainGuard, domain_of
 from bringup.engine import Actors, AgentActor, TickRecord
@@ -129,7 +130,7 @@ class RosEngine:
         if self._guard is not None:
             self._guard.release()
 
-    def ticks(self) -> Iterator[TickRecord]:
+    def ticks(self) -> Iterator[TickRecord[Any, Any]]:
         """Yield one record per tick.
 
         Raises
@@ -235,7 +236,14 @@ class RosEngine:
         """Return what the process of some agents runs; it holds nothing that those robots may not know."""
         actors, is_lean = self._actors, len(self._actors.robots) >= LEAN_FROM
         configs = {robot: actors.agent_config(robot) for robot in agents}
-        return partial(run_agents, agents=agents, period_s=actors.period_s, configs=configs, is_lean=is_lean)
+        return partial(
+            run_agents,
+            agents=agents,
+            period_s=actors.period_s,
+            configs=configs,
+            is_lean=is_lean,
+            family=actors.family,
+        )
 
     def _grouped(self, processes_max: int) -> list[tuple[NodeId, ...]]:
         """Return the robots of each process.

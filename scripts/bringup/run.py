@@ -1,28 +1,72 @@
-"""One run from start to verdict, with whatever engine; and its results on disk."""
+"""One run from start to verdict, with whatever engine and family; and its results on disk."""
 
 from __future__ import annotations
 
 import io
+import json
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bringup.engine import Engine
+from bringup.family import Account, AnyScenario, Metrics
 from bringup.interruption import Interruption
 from bringup.progress import Progress
-from bringup.results import FormationMetrics, Outcome, Timing, formation_metrics
-from bringup.run_folder import RunFolder, trajectory_arrays
-from bringup.scenario import Scenario
+from bringup.run_folder import RunFolder
 from bringup.scenario_file import dump_scenario
-from bringup.supervisor import Supervisor, Verdict
+from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.errors import SwarmError
-from swarm_msgs_py.types import NodeId
-from swarm_sim.metrics.trace import TraceRecorder
 
 KEEP_S = 20.0  # least wall time between two saves of a run that goes on
 KEEP_SHARE = 0.03  # of the wall time that saving may take
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What is run, by what, and where to it is written.
+
+    Attributes
+    ----------
+    scenario : AnyScenario
+        Resolved.
+    engine : str
+        Name of the engine.
+    account : Account
+    folder : RunFolder
+    """
+
+    scenario: AnyScenario
+    engine: str
+    account: Account
+    folder: RunFolder
+
+    def write_scenario(self) -> None:
+        """Write the scenario."""
+        self.folder.write("scenario.yaml", dump_scenario(self.scenario).encode())
+
+    def write_record(self, verdict: Verdict, timing: Timing) -> Metrics:
+        """Write the numbers and the motion of the run, finished or not."""
+        metrics = self.account.metrics(self.engine, verdict, timing)
+        self.folder.write("metrics.json", metrics_text(metrics).encode())
+        buffer = io.BytesIO()
+        np.savez(buffer, **self.account.arrays())  # type: ignore[arg-type]  # names never clash with it
+        self.folder.write("trajectories.npz", buffer.getvalue())
+        return metrics
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time that has passed [s]."""
+        return self.account.ticks * self.scenario.period_s
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """A run that is over."""
+
+    verdict: Verdict
+    timing: Timing
 
 
 class Journal:
@@ -30,35 +74,28 @@ class Journal:
 
     Parameters
     ----------
-    scenario : Scenario
-        Resolved.
-    engine : str
-        Name of the engine.
-    folder : RunFolder
+    run : Run
     progress : Progress
         Hears of it once when the disk does not take something; the run goes on.
     """
 
-    def __init__(self, scenario: Scenario, engine: str, folder: RunFolder, progress: Progress) -> None:
-        self._scenario = scenario
-        self._engine = engine
-        self._folder = folder
+    def __init__(self, run: Run, progress: Progress) -> None:
+        self._run = run
         self._progress = progress
         self._due = 0.0  # seconds of wall time after the first tick
         self._is_told = False
 
     def begin(self) -> None:
         """Write the scenario."""
-        self._attempt(lambda: _write_scenario(self._scenario, self._folder))
+        self._attempt(self._run.write_scenario)
 
-    def keep(self, recorder: TraceRecorder, supervisor: Supervisor, timing: Timing) -> None:
+    def keep(self, timing: Timing) -> None:
         """Write metrics and trajectories so far, if the last time is long enough ago."""
         if timing.wall_time_s < self._due:
             return
         began = time.monotonic()
-        verdict = supervisor.unfinished(len(recorder) * self._scenario.sim.period_s)
-        outcome = Outcome(recorder, supervisor, verdict, timing)
-        self._attempt(lambda: _write_record(self._scenario, self._engine, outcome, self._folder))
+        verdict = self._run.account.unfinished(self._run.time_s)
+        self._attempt(lambda: self._run.write_record(verdict, timing))
         self._due = timing.wall_time_s + max(KEEP_S, (time.monotonic() - began) / KEEP_SHARE)
 
     def _attempt(self, write: Callable[[], object]) -> None:
@@ -68,33 +105,34 @@ class Journal:
             if not self._is_told:
                 self._is_told = True
                 self._progress.say(
-                    f"{self._folder.path}: cannot be written for now ({error.strerror}); the run goes on"
+                    f"{self._run.folder.path}: cannot be written for now ({error.strerror}); the run goes on"
                 )
 
 
-def execute(
-    scenario: Scenario, engine: Engine, interruption: Interruption, progress: Progress, journal: Journal
-) -> Outcome:
-    """Run a resolved scenario to its verdict; the engine is stopped when this returns.
+def metrics_text(metrics: Metrics) -> str:
+    """Return the text of ``metrics.json``."""
+    return json.dumps(metrics.values, indent=2, allow_nan=False) + "\n"
+
+
+def execute(run: Run, engine: Engine, interruption: Interruption, progress: Progress) -> Ended:
+    """Run to the verdict; the engine is stopped when this returns.
 
     Raises
     ------
     SwarmError
         If the engine refuses to start.
     """
-    robots = tuple(NodeId(robot) for robot in range(scenario.robots.count))
-    recorder = TraceRecorder(robots, scenario.sim.period_s)
-    supervisor = Supervisor(robots, scenario.success, scenario.sim.period_s, scenario.duration_s)
     began: float | None = None
     try:
         try:
             with interruption.welcome():
                 engine.__enter__()
+                journal = Journal(run, progress)
                 journal.begin()
                 began = time.monotonic()
-                verdict = _watch(scenario, engine, recorder, supervisor, progress, journal)
+                verdict = _watch(run, engine, progress, journal)
         except KeyboardInterrupt:
-            verdict = supervisor.interrupted(len(recorder) * scenario.sim.period_s)
+            verdict = run.account.interrupted(run.time_s)
         except SwarmError as error:
             if began is None:
                 raise
@@ -103,56 +141,28 @@ def execute(
     finally:
         # Not a `with` statement: an interruption may end the start half way, and what was started must stop.
         engine.__exit__(None, None, None)
-    return Outcome(recorder, supervisor, verdict, Timing(engine.startup_s, wall))
+    return Ended(verdict, Timing(engine.startup_s, wall))
 
 
-def _watch(  # noqa: PLR0913, PLR0917 - all that looks at a tick
-    scenario: Scenario,
-    engine: Engine,
-    recorder: TraceRecorder,
-    supervisor: Supervisor,
-    progress: Progress,
-    journal: Journal,
-) -> Verdict:
-    began = time.monotonic()
+def _watch(run: Run, engine: Engine, progress: Progress, journal: Journal) -> Verdict:
+    began, account = time.monotonic(), run.account
     for record in engine.ticks():
-        recorder.record(record.truth, record.reports, record.camera)
-        verdict = supervisor.watch(record)
-        record = replace(record, alerts=(*record.alerts, *supervisor.goal_agreement.alerts))  # noqa: PLW2901
-        progress.show(record, record.truth.time + scenario.sim.period_s, supervisor.at_goal)
+        verdict = account.take(record)
+        record = replace(record, alerts=(*record.alerts, *account.alerts))  # noqa: PLW2901
+        progress.show(record, record.truth.time + run.scenario.period_s, account.status)
         if verdict is not None:
             return verdict
-        journal.keep(recorder, supervisor, Timing(engine.startup_s, time.monotonic() - began))
+        journal.keep(Timing(engine.startup_s, time.monotonic() - began))
     return Verdict(False, "the engine ended before the run did; see the alerts for why")
 
 
-def write_results(
-    scenario: Scenario, engine: str, outcome: Outcome, folder: RunFolder, interruption: Interruption
-) -> FormationMetrics:
+def write_results(run: Run, ended: Ended, interruption: Interruption) -> Metrics:
     """Write what a run left behind, the most important first; after an interruption no picture is drawn."""
-    _write_scenario(scenario, folder)
-    metrics = _write_record(scenario, engine, outcome, folder)
+    run.write_scenario()
+    metrics = run.write_record(ended.verdict, ended.timing)
     try:
         with interruption.welcome():
-            # Drawing takes a second to import; a run that was interrupted has no time for it.
-            from bringup.figure import run_figure  # noqa: PLC0415
-
-            folder.write("figure.png", run_figure(scenario, outcome.recorder.trace(), outcome.supervisor.plan, metrics))
+            run.folder.write("figure.png", run.account.figure(metrics))
     except KeyboardInterrupt:
         pass
-    return metrics
-
-
-def _write_scenario(scenario: Scenario, folder: RunFolder) -> None:
-    folder.write("scenario.yaml", dump_scenario(scenario).encode())
-
-
-def _write_record(scenario: Scenario, engine: str, outcome: Outcome, folder: RunFolder) -> FormationMetrics:
-    """Write the numbers and the motion of a run, finished or not."""
-    metrics = formation_metrics(scenario, engine, outcome)
-    folder.write("metrics.json", metrics.to_json().encode())
-    buffer = io.BytesIO()
-    arrays = trajectory_arrays(scenario, outcome.recorder.trace(), outcome.supervisor.plan)
-    np.savez(buffer, **arrays)  # type: ignore[arg-type]  # names never clash with it
-    folder.write("trajectories.npz", buffer.getvalue())
     return metrics

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bringup.family import AnyScenario
 from bringup.layout import robot_types
 from bringup.scenario import Scenario
 from swarm_msgs_py.errors import ConfigError
@@ -72,7 +73,7 @@ class RunFolder:
         return target
 
 
-def reserve_default(scenario: Scenario, parent: Path) -> RunFolder:
+def reserve_default(scenario: AnyScenario, parent: Path) -> RunFolder:
     """Return a new folder ``<time>-<scenario>-<seed>`` under `parent`.
 
     Raises

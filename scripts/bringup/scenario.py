@@ -7,6 +7,7 @@ from collections import Counter
 from dataclasses import dataclass, fields
 from enum import Enum
 
+from bringup.family import Family
 from bringup.shape_specs import ShapeSpec, StageSpec
 from mission_computer.config import MissionConfig
 from mission_computer.shape.arena import Obstacle
@@ -17,12 +18,6 @@ from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.config import SimConfig
-
-
-class Family(Enum):
-    """Families of behavior."""
-
-    FORMATION = "formation"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,8 +226,17 @@ class Scenario(Config):
     def __post_init__(self) -> None:
         """Check that the name can be a part of a folder's name."""
         Config.__post_init__(self)
-        if not self.name or not all(letter.isalnum() or letter in "-_." for letter in self.name):
-            raise ConfigError(f"name must be letters, digits, '-', '_' and '.', got '{self.name}'")
+        check_name(self.name)
+
+    @property
+    def robot_count(self) -> int:
+        """Number of robots."""
+        return self.robots.count
+
+    @property
+    def period_s(self) -> float:
+        """Duration of a tick [s]."""
+        return self.sim.period_s
 
     @property
     def method(self) -> str:
@@ -243,7 +247,23 @@ class Scenario(Config):
     @property
     def deaths(self) -> dict[NodeId, int]:
         """The tick from which on a node is dead, for the robots (and `MISSION`) that the events end."""
-        return {node: math.ceil(event.at_s / self.sim.period_s - 1e-9) for event in self.events for node in event.nodes}
+        return {node: tick_from(event.at_s, self.sim.period_s) for event in self.events for node in event.nodes}
+
+
+def check_name(name: str) -> None:
+    """Refuse the name of a scenario that cannot be a part of a folder's name.
+
+    Raises
+    ------
+    ConfigError
+    """
+    if not name or not all(letter.isalnum() or letter in "-_." for letter in name):
+        raise ConfigError(f"name must be letters, digits, '-', '_' and '.', got '{name}'")
+
+
+def tick_from(time_s: float, period_s: float) -> int:
+    """Return the first tick that begins at a time [s] or later."""
+    return math.ceil(time_s / period_s - 1e-9)
 
 
 def rescaled_counts(counts: tuple[int, ...], total: int) -> tuple[int, ...]:

@@ -1,83 +1,66 @@
-"""Scenarios on disk and on the command line: YAML in, overrides on top, a strict `Scenario` out."""
+"""Scenarios on disk and on the command line: YAML in, overrides on top, a strict scenario of its family out."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import yaml
 
-from bringup.scenario import Scenario, rescaled_counts
+from bringup.family import AnyScenario, Family, Kind
+from bringup.formation_kind import FORCE_TASKS, map_override, method_overrides, shape_override
+from bringup.kinds import KINDS
+from bringup.origin import COMMAND_LINE, Origin, Override
+from bringup.scenario import Scenario
 from bringup.yaml_reader import YamlTextError, parse_yaml
-from mission_computer.shape import library_names
 from mission_computer.shape.library import suggestion
-from swarm_msgs_py.config import at, dump_config, full_key, load_config, with_setting
+from swarm_msgs_py.config import Config, dump_config, full_key, load_config, with_setting
 from swarm_msgs_py.errors import ConfigError
-from swarm_msgs_py.messages.bodies import Task
-from swarm_msgs_py.robots import THESIS_TYPES
+
+__all__ = [
+    "COMMAND_LINE",
+    "FORCE_TASKS",
+    "ROBOT_COUNT",
+    "SCENARIOS",
+    "Origin",
+    "Override",
+    "dump_scenario",
+    "family_of",
+    "load_any",
+    "load_scenario",
+    "map_override",
+    "method_overrides",
+    "parse_assignment",
+    "scenario_names",
+    "shape_override",
+]
 
 SCENARIOS = Path(__file__).resolve().parent.parent / "scenarios"
-COMMAND_LINE = "command line"
+"""Those of the formation family; other families have a folder each in it."""
+
 ROBOT_COUNT = "robots.count"
-"""Key of an override that rescales the mix of types to this many robots; no key of a file."""
-FORCE_TASKS = tuple(task.value for task in Task if not task.has_goals)
-"""Methods that are no partition of the shape."""
+"""Key of an override that sets the number of robots, whatever a family makes it from."""
 
 
-@dataclass(frozen=True, slots=True)
-class Override:
-    """One setting from the command line.
+def scenario_names(family: Family | None = None) -> tuple[str, ...]:
+    """Return the names of all ready-made scenarios, or of those of one family, in alphabetical order."""
+    families = list(Family) if family is None else [family]
+    return tuple(sorted(path.stem for member in families for path in _folder_of(member).glob("*.yaml")))
 
-    Attributes
-    ----------
-    flag : str
-        Option that said so, for errors.
-    key : str
-        Dotted key in the scenario.
-    value : object
-        Plain data.
+
+def family_of(source: str) -> Family:
+    """Return the family of a scenario by name or file; of one that says nothing legible, the formation family.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such scenario, or it is not legible.
     """
-
-    flag: str
-    key: str
-    value: object
+    return _family_of(_parsed(_path_of(source)))
 
 
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Who said what, so that an error names the place to mend.
-
-    Attributes
-    ----------
-    file : str
-        The scenario's file.
-    overrides : tuple of Override
-    """
-
-    file: str
-    overrides: tuple[Override, ...] = ()
-
-    def of(self, key: str) -> str:
-        """Return the place of `key` in an error: the option that set it (or a part of it), else the file."""
-        for override in reversed(self.overrides):
-            if f"{key}.".startswith(f"{override.key}."):
-                return override.flag  # it set the whole of it
-            if key.startswith(f"{override.key}["):
-                return f"{override.flag}{key.removeprefix(override.key)}"  # the list that this is an entry of
-            if override.key.startswith(f"{key}."):
-                return f"{override.flag}: {key}"
-        return at(self.file, key)
-
-
-def scenario_names() -> tuple[str, ...]:
-    """Return the names of all ready-made scenarios, in alphabetical order."""
-    return tuple(sorted(path.stem for path in SCENARIOS.glob("*.yaml")))
-
-
-def load_scenario(source: str, overrides: tuple[Override, ...] = ()) -> tuple[Scenario, Origin]:
+def load_any(source: str, overrides: tuple[Override, ...] = ()) -> tuple[AnyScenario, Origin]:
     """Return a scenario with overrides applied, and who said what.
 
     Parameters
@@ -93,31 +76,50 @@ def load_scenario(source: str, overrides: tuple[Override, ...] = ()) -> tuple[Sc
         One line that names the file (or the option), the key and the remedy.
     """
     path = _path_of(source)
-    data = _with_type_defaults(_parsed(path))
-    scenario = load_config(Scenario, data, str(path))
+    parsed = _parsed(path)
+    kind = KINDS[_family_of(parsed)]
+    kind.located(parsed, str(path.parent))
+    data = kind.completed(parsed)
+    scenario = load_config(kind.scenario, data, str(path))
     if not overrides:
-        return scenario, Origin(str(path))
+        return cast("AnyScenario", scenario), Origin(str(path))
     try:
-        return _overridden(data, scenario, overrides, COMMAND_LINE), Origin(str(path), overrides)
+        return _overridden(kind, data, overrides, COMMAND_LINE), Origin(str(path), overrides)
     except ConfigError:
         for override in overrides:  # blame the one that is wrong by itself
-            _overridden(data, scenario, (override,), override.flag)
+            _overridden(kind, data, (override,), override.flag)
         raise
 
 
-def dump_scenario(scenario: Scenario) -> str:
-    """Return the YAML text from which `load_scenario` makes an equal scenario."""
-    text: str = yaml.safe_dump(dump_config(scenario), sort_keys=False, allow_unicode=True, width=120)
+def load_scenario(source: str, overrides: tuple[Override, ...] = ()) -> tuple[Scenario, Origin]:
+    """Return what `load_any` does of a scenario of the formation family, and refuse all others.
+
+    Raises
+    ------
+    ConfigError
+        One line that names the file (or the option), the key and the remedy.
+    """
+    scenario, origin = load_any(source, overrides)
+    if not isinstance(scenario, Scenario):
+        names = ", ".join(scenario_names(Family.FORMATION))
+        raise ConfigError(f"{origin.of('family')}: only formation scenarios will do here, such as {names}")
+    return scenario, origin
+
+
+def dump_scenario(scenario: AnyScenario) -> str:
+    """Return the YAML text from which `load_any` makes an equal scenario."""
+    data = dump_config(cast("Config", scenario))
+    text: str = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=120)
     return text
 
 
-def parse_assignment(text: str) -> Override:
+def parse_assignment(text: str, scenario: type[Config] = Scenario) -> Override:
     """Return the override of ``--set key=value``; the value is YAML, the key may be any unambiguous ending.
 
     Raises
     ------
     ConfigError
-        If it is not an assignment, or the key does not exist or could be several.
+        If it is not an assignment, or the key does not exist in the class of `scenario` or could be several.
     """
     key, equals, value = text.partition("=")
     where = f"--set {key.strip()}"
@@ -127,37 +129,18 @@ def parse_assignment(text: str) -> Override:
         parsed = parse_yaml(value)
     except YamlTextError:
         raise ConfigError(f"{where}: the value is not YAML; quote text, write lists as [1, 2]") from None
-    return Override(where, full_key(Scenario, key.strip(), where), parsed)
+    return Override(where, full_key(scenario, key.strip(), where), parsed)
 
 
-def shape_override(source: str) -> Override:
-    """Return the override of ``--shape``: a library name or a file; it replaces the shape with its placement."""
-    is_file = source not in library_names() and (bool(Path(source).suffix) or "/" in source or Path(source).is_file())
-    return Override(
-        f"--shape {source}", "shape", {"file": str(Path(source).absolute())} if is_file else {"name": source}
-    )
-
-
-def method_overrides(name: str) -> tuple[Override, ...]:
-    """Return the overrides of ``--method``: how shapes are partitioned, or that forces do it.
-
-    With a partition method, who computes the goals is what suits it, unless a later override says otherwise.
-    """
-    flag = f"--method {name}"
-    if name in FORCE_TASKS:
-        return (Override(flag, "mission.task", name),)
-    return Override(flag, "mission.partition.method", name), Override(flag, "mission.task", None)
-
-
-def map_override(source: str) -> Override:
-    """Return the override of ``--map``: a map of the package or a file."""
-    is_file = bool(Path(source).suffix) or "/" in source
-    return Override(f"--map {source}", "map", {"file": str(Path(source).absolute())} if is_file else {"name": source})
+def _folder_of(family: Family) -> Path:
+    return SCENARIOS if family is Family.FORMATION else SCENARIOS / family.value
 
 
 def _path_of(source: str) -> Path:
-    if source in scenario_names():
-        return _shortest(SCENARIOS / f"{source}.yaml")
+    for family in Family:
+        path = _folder_of(family) / f"{source}.yaml"
+        if source in scenario_names(family):
+            return _shortest(path)
     path = Path(source)
     if path.suffix or "/" in source:
         return path
@@ -187,39 +170,22 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: {error}; correct it there") from None
     if not isinstance(data, dict):
         raise ConfigError(f"{path}: expected keys and values; start from one of the ready-made scenarios")
-    stages = data.get("stages")
-    parts = [data.get("shape"), data.get("map")]
-    parts += [stage.get("shape") for stage in stages if isinstance(stage, dict)] if isinstance(stages, list) else []
-    for part in parts:
-        if isinstance(part, dict) and isinstance(part.get("file"), str):
-            part["file"] = str(path.parent / part["file"])
     return data
 
 
-def _with_type_defaults(data: dict[str, Any]) -> dict[str, Any]:
-    """Fill in what table 4.1 says of the robot types; anything malformed is left for the strict loader to refuse."""
-    robots = data.get("robots")
-    if not isinstance(robots, Mapping) or not isinstance(robots.get("types"), list):
-        return data
-    known = {kind.type: {f.name: getattr(kind, f.name) for f in fields(kind)} for kind in THESIS_TYPES}
-    full = [
-        {**known[group["type"]], **group}
-        if isinstance(group, Mapping) and isinstance(group.get("type"), int) and group["type"] in known
-        else group
-        for group in robots["types"]
-    ]
-    return {**data, "robots": {**robots, "types": full}}
+def _family_of(data: dict[str, Any]) -> Family:
+    """Return the family that plain data name; what is no family is left for the strict loader to refuse."""
+    named = data.get("family", Family.FORMATION.value)
+    return next((family for family in Family if family.value == named), Family.FORMATION)
 
 
-def _overridden(data: dict[str, Any], scenario: Scenario, overrides: tuple[Override, ...], where: str) -> Scenario:
-    """Return the scenario that `data` and the overrides make together; `scenario` is the one of `data` alone."""
+def _overridden(kind: Kind, data: dict[str, Any], overrides: tuple[Override, ...], where: str) -> AnyScenario:
+    """Return the scenario that `data` and the overrides make together."""
     data = copy.deepcopy(data)
     for override in overrides:
         if override.key == ROBOT_COUNT:
             assert isinstance(override.value, int)  # the option's own parser saw to it
-            counts = rescaled_counts(tuple(group.count for group in scenario.robots.types), override.value)
-            for group, count in zip(data["robots"]["types"], counts, strict=True):
-                group["count"] = count
+            kind.with_count(data, override.value)
         else:
             with_setting(data, override.key, override.value, override.flag)
-    return load_config(Scenario, _with_type_defaults(data), where)
+    return cast("AnyScenario", load_config(kind.scenario, kind.completed(data), where))

@@ -10,18 +10,20 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from bringup.coverage.scenario import CoverageScenario
 from bringup.scenario import RobotGroup, Scenario
 from bringup.scenario_file import SCENARIOS
 from swarm_msgs_py.config import Config, Setting, settings_of
 
 SCHEMA_FILE: Path = SCENARIOS / "scenario.schema.json"
+COVERAGE_SCHEMA_FILE: Path = SCENARIOS / "coverage" / "coverage.schema.json"
 SCALARS: dict[type, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 REQUIRED_OF_A_GROUP = ["type", "count"]  # types 1 to 3 take the rest from table 4.1
 
 
-def scenario_schema() -> str:
-    """Return the text of the schema file."""
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "Scenario", **_object(Scenario)}
+def scenario_schema(cls: type[Config] = Scenario) -> str:
+    """Return the text of the schema file of a family's scenarios."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": cls.__name__, **_object(cls)}
     return json.dumps(schema, indent=1) + "\n"
 
 
@@ -46,12 +48,14 @@ def _object(cls: type[Config]) -> dict[str, Any]:
     }
 
 
-def _value(hint: Any, about: Setting) -> dict[str, Any]:
+def _value(hint: Any, about: Setting) -> dict[str, Any]:  # noqa: PLR0911 - a case each
     """Return the schema of one type hint; the limits of a setting hold for every number in it."""
     origin = typing.get_origin(hint)
     if origin in (types.UnionType, typing.Union):
         (inner,) = [arg for arg in typing.get_args(hint) if arg is not type(None)]
         return {"anyOf": [_value(inner, about), {"type": "null"}]}
+    if origin is dict:
+        return {"type": "object", "properties": {}, "required": [], "additionalProperties": True}
     if origin is tuple:
         first, *others = typing.get_args(hint)
         if others == [Ellipsis]:
@@ -69,3 +73,4 @@ def _value(hint: Any, about: Setting) -> dict[str, Any]:
 
 if __name__ == "__main__":
     SCHEMA_FILE.write_text(scenario_schema(), encoding="utf-8")
+    COVERAGE_SCHEMA_FILE.write_text(scenario_schema(CoverageScenario), encoding="utf-8")

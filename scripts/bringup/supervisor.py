@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
-from bringup.engine import TickRecord
+from bringup.engine import FormationRecord
 from bringup.goal_agreement import GoalAgreement
 from bringup.labels import first_few
 from bringup.scenario import SuccessSpec
+from bringup.verdict import Verdict
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport, MissionReport
 from swarm_msgs_py.plan_course import Course, lineage
@@ -20,20 +20,7 @@ from swarm_msgs_py.plan_motion import contour_at, goals_at
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId, robot_name
 from swarm_sim.metrics.settling import settled_samples
 
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """How a run ended.
-
-    Attributes
-    ----------
-    achieved : bool
-    reason : str
-        One line for the operator.
-    """
-
-    achieved: bool
-    reason: str
+__all__ = ["Supervisor", "Verdict"]
 
 
 class Supervisor:
@@ -89,7 +76,7 @@ class Supervisor:
         self.has_changed_shape = False
         self.goal_agreement = GoalAgreement()
 
-    def watch(self, record: TickRecord) -> Verdict | None:
+    def watch(self, record: FormationRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
         self._take(record)
         self.goal_agreement.take(record)
@@ -146,7 +133,7 @@ class Supervisor:
             return f"; {stages}, but stage {self._mission.stage + 1} was refused; see the alerts for why"
         return f"; {stages}, but the mission computer is off" if MISSION in self._lost else f"; {stages}"
 
-    def _take(self, record: TickRecord) -> None:
+    def _take(self, record: FormationRecord) -> None:
         dead = {robot for robot, alive in zip(self._robots, record.truth.alive, strict=True) if not alive}
         self._lost, self._tick = record.lost | dead, record.tick
         for robot, report in record.reports.items():
@@ -174,7 +161,7 @@ class Supervisor:
             self._drawn, self._contour = contour, shapely.Polygon(contour)
             shapely.prepare(self._contour)
 
-    def _watch_motion(self, record: TickRecord, rows: np.ndarray) -> None:
+    def _watch_motion(self, record: FormationRecord, rows: np.ndarray) -> None:
         """Update who is at the goal, and since when everybody has been at rest inside the contour."""
         samples, speeds = record.truth.samples[:, rows], record.truth.sample_velocities[:, rows]
         self._distances = self._goal_distances(record, rows)
@@ -192,7 +179,7 @@ class Supervisor:
         elif len(unsettled) or self._settled_since is None:
             self._settled_since = record.truth.time + self._period * (first + 1) / len(settled)
 
-    def _goal_distances(self, record: TickRecord, rows: np.ndarray) -> dict[NodeId, float]:
+    def _goal_distances(self, record: FormationRecord, rows: np.ndarray) -> dict[NodeId, float]:
         """Return the distance of each live robot from its goal at the end of the tick [m], inf without a goal.
 
         In a plan without goals, the shape is the goal of everybody who has heard of it.

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.messages.report import AgentReport, MissionReport
+from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.types import NodeId
-from swarm_sim.simulation import TickTruth
+from swarm_sim.ticked_world import Truth
 
 REASON_MAX = 300  # characters of an exception that an alert repeats
 
@@ -58,14 +59,14 @@ class WorldTick:
 
     Attributes
     ----------
-    truth : TickTruth
+    truth : Truth
     answered : frozenset of NodeId
         Who answered in time; their reports are on the way.
     alerts : tuple of str
     lost : frozenset of NodeId
     """
 
-    truth: TickTruth
+    truth: Truth
     answered: frozenset[NodeId]
     alerts: tuple[str, ...]
     lost: frozenset[NodeId]
@@ -76,7 +77,7 @@ class AgentReports:
     """From a process of agents: what its robots said of themselves in a tick."""
 
     tick: int
-    reports: Mapping[NodeId, AgentReport]
+    reports: Mapping[NodeId, Any]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

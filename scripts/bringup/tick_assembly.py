@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from bringup.engine import TickRecord
 from bringup.labels import node_list
 from bringup.telemetry import AgentReports, MissionTick, WorldTick
 from swarm_msgs_py.messages.bodies import Plan
-from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import MISSION, NodeId
 
 
@@ -18,7 +18,7 @@ class TickAssembly:
     def __init__(self) -> None:
         self._next = 0
         self._worlds: dict[int, WorldTick] = {}
-        self._reports: dict[int, dict[NodeId, AgentReport]] = {}
+        self._reports: dict[int, dict[NodeId, Any]] = {}
         self._missions: dict[int, MissionTick] = {}
         self._dead: set[NodeId] = set()
         self._alerts: list[str] = []
@@ -65,7 +65,7 @@ class TickAssembly:
         world = self._worlds.get(self._next)
         return self._missing(world) if world is not None else frozenset()
 
-    def take_ready(self) -> Iterator[TickRecord]:
+    def take_ready(self) -> Iterator[TickRecord[Any, Any]]:
         """Yield the records that are complete."""
         while self._is_ready():
             yield self._take()
@@ -82,7 +82,7 @@ class TickAssembly:
             there.add(MISSION)
         return world.answered - there - (forgiven if tick == self._next else frozenset())
 
-    def _take(self) -> TickRecord:
+    def _take(self) -> TickRecord[Any, Any]:
         tick = self._next
         self._next += 1
         world, mission = self._worlds.pop(tick), self._missions.pop(tick, None)

@@ -37,6 +37,10 @@ class SmallSwarm:
     task: Task = Task.GOALS
 
     @property
+    def family(self) -> str:
+        return "formation"
+
+    @property
     def robots(self) -> tuple[NodeId, ...]:
         return tuple(NodeId(number) for number in range(self.count))
 

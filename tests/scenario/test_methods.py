@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from run_folders import metrics_of, run_in_process
 
-from bringup.arguments import METHODS
 from bringup.compose import ScenarioActors
+from bringup.formation_kind import METHODS
 from bringup.inprocess import InProcessEngine
 from bringup.resolution import resolve
 from bringup.scenario import Scenario

@@ -15,12 +15,13 @@ from run_folders import metrics_of
 import bringup.figure
 from bringup.compose import ScenarioActors
 from bringup.engine import TickRecord
+from bringup.family import Metrics
+from bringup.formation import FormationAccount
 from bringup.inprocess import InProcessEngine
 from bringup.interruption import Interruption
 from bringup.progress import Progress
 from bringup.resolution import resolve
-from bringup.results import FormationMetrics
-from bringup.run import Journal, execute, write_results
+from bringup.run import Run, execute, write_results
 from bringup.run_folder import RunFolder
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario, parse_assignment
@@ -70,11 +71,12 @@ def give_up() -> None:
     raise SwarmError("the world node died (exit code 9)")
 
 
-def run(scenario: Scenario, engine: EventfulEngine, folder: Path, interruption: Interruption) -> FormationMetrics:
-    with Progress(Console(stderr=True), scenario.robots.count) as progress:
+def run(scenario: Scenario, engine: EventfulEngine, folder: Path, interruption: Interruption) -> Metrics:
+    with Progress(Console(stderr=True)) as progress:
         kept = RunFolder(folder)
-        outcome = execute(scenario, engine, interruption, progress, Journal(scenario, "inprocess", kept, progress))
-    return write_results(scenario, "inprocess", outcome, kept, interruption)
+        whole = Run(scenario, "inprocess", FormationAccount(scenario), kept)
+        ended = execute(whole, engine, interruption, progress)
+    return write_results(whole, ended, interruption)
 
 
 def test_an_interruption_stops_the_engine_and_keeps_the_metrics_so_far(smoke: Scenario, tmp_path: Path) -> None:
@@ -121,7 +123,7 @@ def test_an_engine_that_gives_up_ends_the_run_with_its_reason(smoke: Scenario, t
 
     assert engine.is_stopped
     assert (metrics.achieved, metrics.reason) == (False, "the world node died (exit code 9)")
-    assert metrics.ticks == EVENT_TICK
+    assert metrics.values["ticks"] == EVENT_TICK
 
 
 def test_an_engine_that_refuses_to_start_is_stopped_and_heard(smoke: Scenario, tmp_path: Path) -> None:
@@ -144,9 +146,10 @@ def test_a_robot_that_dies_is_counted_and_the_rest_go_on(
         metrics = run(smoke, engine, tmp_path, interruption)
 
     assert metrics.achieved, metrics.reason
-    assert metrics.displacement_lower_bound_m is not None
-    assert metrics.displacement_lower_bound_m < metrics.total_displacement_m
-    assert (metrics.lost_robots, metrics.goals_reached) == (1, 3)
+    values = metrics.values
+    assert values["displacement_lower_bound_m"] is not None
+    assert values["displacement_lower_bound_m"] < values["total_displacement_m"]
+    assert (values["lost_robots"], values["goals_reached"]) == (1, 3)
     assert "1 lost" in metrics.reason
 
 

@@ -18,6 +18,6 @@ setup(
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["numpy", "scipy", "shapely"],
+    install_requires=["numpy", "scipy", "shapely", "trimesh"],
     zip_safe=False,
 )

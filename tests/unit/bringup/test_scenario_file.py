@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 import yaml
 
+from bringup.family import Family
 from bringup.resolution import resolve
 from bringup.scenario import Scenario, rescaled_counts
 from bringup.scenario_file import (
@@ -39,7 +40,7 @@ def written(folder: Path, **changes: Any) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("name", scenario_names())
+@pytest.mark.parametrize("name", scenario_names(Family.FORMATION))
 def test_every_ready_made_scenario_passes_every_check(name: str) -> None:
     scenario, origin = load_scenario(name)
 

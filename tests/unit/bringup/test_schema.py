@@ -6,8 +6,10 @@ from typing import Any
 import pytest
 import yaml
 
-from bringup.scenario_file import SCENARIOS, load_scenario, scenario_names
-from bringup.schema import SCHEMA_FILE, scenario_schema
+from bringup.coverage.scenario import CoverageScenario
+from bringup.family import Family
+from bringup.scenario_file import SCENARIOS, load_any, scenario_names
+from bringup.schema import COVERAGE_SCHEMA_FILE, SCHEMA_FILE, scenario_schema
 from swarm_msgs_py.config import dump_config
 
 SCHEMA = json.loads(scenario_schema())
@@ -26,7 +28,11 @@ def complaints(value: Any, schema: dict[str, Any], place: str = "") -> list[str]
     if not isinstance(value, KINDS[schema["type"]]):
         return [f"{place}: {value!r} is no {schema['type']}"]
     if isinstance(value, dict):
-        unknown = [f"{place}.{key}: unknown" for key in value if key not in schema["properties"]]
+        unknown = [
+            f"{place}.{key}: unknown"
+            for key in value
+            if key not in schema["properties"] and not schema["additionalProperties"]
+        ]
         missing = [f"{place}.{key}: missing" for key in schema["required"] if key not in value]
         known = ((key, item) for key, item in value.items() if key in schema["properties"])
         return unknown + missing + [c for k, v in known for c in complaints(v, schema["properties"][k], f"{place}.{k}")]
@@ -41,14 +47,23 @@ def complaints(value: Any, schema: dict[str, Any], place: str = "") -> list[str]
 
 def test_the_published_schema_is_the_one_of_the_code() -> None:
     assert SCHEMA_FILE.read_text() == scenario_schema(), "run `python -m bringup.schema` in scripts/"
+    assert COVERAGE_SCHEMA_FILE.read_text() == scenario_schema(CoverageScenario), "the same"
+
+
+SCHEMAS = {
+    Family.FORMATION: (SCENARIOS, SCHEMA),
+    Family.COVERAGE: (SCENARIOS / "coverage", json.loads(scenario_schema(CoverageScenario))),
+}
 
 
 @pytest.mark.parametrize("name", scenario_names())
 def test_ready_made_scenarios_follow_the_schema_as_written_and_as_dumped(name: str) -> None:
-    written = yaml.safe_load((SCENARIOS / f"{name}.yaml").read_text())
+    scenario = load_any(name)[0]
+    folder, schema = SCHEMAS[scenario.family]
+    written = yaml.safe_load((folder / f"{name}.yaml").read_text())
 
-    assert complaints(written, SCHEMA) == []
-    assert complaints(dump_config(load_scenario(name)[0]), SCHEMA) == []
+    assert complaints(written, schema) == []
+    assert complaints(dump_config(scenario), schema) == []
 
 
 def test_the_schema_refuses_what_the_loader_refuses() -> None:

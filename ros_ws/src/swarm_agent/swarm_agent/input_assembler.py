@@ -1,23 +1,17 @@
-"""Joins the messages of one tick, which arrive in any order, into one `AgentInputs`."""
+"""Joins the messages of one tick, which arrive in any order, into the inputs of one step."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-
-import numpy as np
+from typing import Any, Generic, TypeVar
 
 from swarm_msgs_py.frames import Batch
-from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
-from swarm_msgs_py.step_io import AgentInputs
-from swarm_msgs_py.topics import Parts
-from swarm_msgs_py.types import FloatArray
 
 PENDING_MAX = 200
 """Unfinished ticks that are kept; a tick of which a part was lost is never finished."""
 
-
-# Plain numbers: arithmetic on enumeration members costs ten times as much, five times per robot and tick.
-_IMU, _FIX, _RANGES, _PROXIMITY = (int(part) for part in (Parts.IMU, Parts.FIX, Parts.RANGES, Parts.PROXIMITY))
+InputsT = TypeVar("InputsT")
 
 
 @dataclass(slots=True)
@@ -26,54 +20,43 @@ class _Tick:
 
     heard: int = 0
     batch: Batch | None = None
-    imu: ImuSample | None = None
-    fix: PositionFix | None = None
-    ranges: RangeScan = field(default_factory=lambda: RangeScan(np.zeros(0, dtype=np.int64), np.zeros(0)))
-    proximity: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    readings: dict[int, Any] = field(default_factory=dict)
 
 
-class InputAssembler:
+class InputAssembler(Generic[InputsT]):
     """Collects the parts of ticks; a tick is complete with its batch and every part that the batch announces.
 
     Parameters
     ----------
     period_s : float
         Control period [s].
+    join : callable
+        Makes the inputs of a tick from its number, time [s], readings by part, and frames heard.
+    required : int
+        Parts that every tick has, whatever its batch announces.
     """
 
-    def __init__(self, period_s: float) -> None:
-        self._period = period_s
+    def __init__(
+        self,
+        period_s: float,
+        join: Callable[[int, float, Mapping[int, Any], tuple[bytes, ...]], InputsT],
+        required: int = 0,
+    ) -> None:
+        self._period, self._join, self._required = period_s, join, required
         self._pending: dict[int, _Tick] = {}
 
-    def put_imu(self, tick: int, sample: ImuSample) -> AgentInputs | None:
-        """Take the inertial sample of a tick; return the inputs if they are complete now."""
+    def put(self, part: int, tick: int, reading: Any) -> InputsT | None:
+        """Take one reading of a tick; return the inputs if they are complete now."""
         pending = self._of(tick)
-        pending.imu = sample
-        return self._joined(tick, pending, _IMU)
+        pending.readings[part] = reading
+        pending.heard |= part
+        return self._joined(tick, pending)
 
-    def put_fix(self, tick: int, fix: PositionFix) -> AgentInputs | None:
-        """Take the position fix of a tick; return the inputs if they are complete now."""
-        pending = self._of(tick)
-        pending.fix = fix
-        return self._joined(tick, pending, _FIX)
-
-    def put_ranges(self, tick: int, scan: RangeScan) -> AgentInputs | None:
-        """Take the range scan of a tick; return the inputs if they are complete now."""
-        pending = self._of(tick)
-        pending.ranges = scan
-        return self._joined(tick, pending, _RANGES)
-
-    def put_proximity(self, tick: int, points: FloatArray) -> AgentInputs | None:
-        """Take the (n, 2) proximity points of a tick; return the inputs if they are complete now."""
-        pending = self._of(tick)
-        pending.proximity = points
-        return self._joined(tick, pending, _PROXIMITY)
-
-    def put_batch(self, batch: Batch) -> AgentInputs | None:
+    def put_batch(self, batch: Batch) -> InputsT | None:
         """Take the radio frames of a tick; return the inputs if they are complete now."""
         pending = self._of(batch.tick)
         pending.batch = batch
-        return self._joined(batch.tick, pending, 0)
+        return self._joined(batch.tick, pending)
 
     def _of(self, tick: int) -> _Tick:
         if tick not in self._pending:
@@ -82,19 +65,10 @@ class InputAssembler:
             self._pending[tick] = _Tick()
         return self._pending[tick]
 
-    def _joined(self, tick: int, pending: _Tick, part: int) -> AgentInputs | None:
-        """Note that `part` has come; return the inputs and forget everything older if nothing is missing."""
-        pending.heard |= part
-        batch, imu = pending.batch, pending.imu
-        if batch is None or imu is None or batch.flags & ~pending.heard:
+    def _joined(self, tick: int, pending: _Tick) -> InputsT | None:
+        """Return the inputs and forget everything older if nothing is missing."""
+        batch = pending.batch
+        if batch is None or (batch.flags | self._required) & ~pending.heard:
             return None
         self._pending = {later: rest for later, rest in self._pending.items() if later > tick}
-        return AgentInputs(
-            tick=tick,
-            time=tick * self._period,
-            imu=imu,
-            fix=pending.fix,
-            ranges=pending.ranges,
-            proximity=pending.proximity,
-            inbox=batch.frames,
-        )
+        return self._join(tick, tick * self._period, pending.readings, batch.frames)

@@ -225,7 +225,7 @@ def _hints(cls: type) -> dict[str, Any]:
     return typing.get_type_hints(cls)
 
 
-def _convert(hint: Any, value: object, where: str, about: Setting | None) -> Any:
+def _convert(hint: Any, value: object, where: str, about: Setting | None) -> Any:  # noqa: PLR0911 - a case each
     """Check `value` against a type hint and return it as that type."""
     origin = typing.get_origin(hint)
     if origin in (types.UnionType, typing.Union):
@@ -233,6 +233,10 @@ def _convert(hint: Any, value: object, where: str, about: Setting | None) -> Any
             return None
         (inner,) = [arg for arg in typing.get_args(hint) if arg is not type(None)]
         return _convert(inner, value, where, about)
+    if origin is dict:
+        if not isinstance(value, Mapping):
+            raise ConfigError(f"{where}: expected keys and values, got {_describe(value)}")
+        return {str(key): item for key, item in value.items()}  # what it holds is for others to check
     if origin is tuple:
         return _convert_tuple(typing.get_args(hint), value, where, about)
     if isinstance(hint, type) and issubclass(hint, Config):
@@ -276,8 +280,10 @@ def _plain(value: object) -> Plain:
         return dump_config(value)
     if isinstance(value, Enum):
         return str(value.value)
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return [_plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
     if value is None or isinstance(value, bool | int | float | str):
         return value
     raise TypeError(f"{type(value).__name__} has no plain form")

@@ -48,6 +48,7 @@ class Parts(IntFlag):
     RANGES = 4
     PROXIMITY = 8
     IMAGE = 16
+    NEIGHBORS = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,7 @@ IMU = Channel("/{node}/imu", "sensor_msgs/msg/Imu", Party.WORLD, Party.AGENT, _E
 FIX = Channel("/{node}/fix", "geometry_msgs/msg/PoseWithCovarianceStamped", Party.WORLD, Party.AGENT, _EVERY)
 RANGES = Channel("/{node}/ranges", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 PROXIMITY = Channel("/{node}/proximity", "geometry_msgs/msg/PoseArray", Party.WORLD, Party.AGENT, _EVERY)
+NEIGHBORS = Channel("/{node}/neighbors", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 RADIO_RX = Channel("/{node}/radio/rx", "std_msgs/msg/UInt8MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 RADIO_TX = Channel("/{node}/radio/tx", "std_msgs/msg/UInt8MultiArray", Party.AGENT, Party.WORLD, _EVERY)
 CMD_VEL = Channel("/{node}/cmd_vel", "geometry_msgs/msg/TwistStamped", Party.AGENT, Party.WORLD, _EVERY)
@@ -121,7 +123,10 @@ TRUTH = Channel("/world/truth", "geometry_msgs/msg/PoseArray", Party.WORLD, Part
 KILL_ROBOT = Channel("/world/kill_robot", "std_msgs/msg/UInt16", Party.OPERATOR, Party.WORLD, _EVERY)
 
 ROBOT_SENSORS = (IMU, FIX, RANGES, PROXIMITY, RADIO_RX)
-"""What the world sends to each robot."""
+"""What the world sends to each robot of the formation family."""
+
+POINT_SENSORS = (FIX, NEIGHBORS, RADIO_RX)
+"""What the world sends to each robot of the coverage family."""
 
 ROBOT_ANSWERS = (CMD_VEL, RADIO_TX)
 """What each robot sends to the world."""
@@ -148,9 +153,12 @@ RESUME_SERVICE = "/world/resume"
 """``std_srvs/srv/Trigger``: let simulated time go on."""
 
 
-def all_topics(robots: tuple[NodeId, ...], *, has_camera: bool = False) -> dict[str, str]:
-    """Return the type of every topic of a swarm, by name."""
-    table = {channel.topic(robot): channel.message for robot in robots for channel in ROBOT_CHANNELS}
+def all_topics(
+    robots: tuple[NodeId, ...], sensors: tuple[Channel, ...] = ROBOT_SENSORS, *, has_camera: bool = False
+) -> dict[str, str]:
+    """Return the type of every topic of a swarm, by name; of robots with these sensors."""
+    channels = (*sensors, *ROBOT_ANSWERS, *ROBOT_VIEWS)
+    table = {channel.topic(robot): channel.message for robot in robots for channel in channels}
     table |= {channel.topic(MISSION): channel.message for channel in MISSION_CHANNELS}
     singles = (*SINGLE_CHANNELS, *CAMERA_CHANNELS) if has_camera else SINGLE_CHANNELS
     return table | {channel.topic(): channel.message for channel in singles}

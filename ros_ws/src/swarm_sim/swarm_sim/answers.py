@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.types import MISSION, NodeId
 
 
@@ -15,7 +15,7 @@ class Answers:
 
     Attributes
     ----------
-    commands : mapping of NodeId to VelocityCommand
+    commands : mapping of NodeId to the commands of the family
     outboxes : mapping of NodeId to tuple of bytes
         Frames of this tick, after those that came too late for the tick before.
     complete : frozenset of NodeId
@@ -24,7 +24,7 @@ class Answers:
         Who fell silent with this tick, and who was silent and has been heard again; ascending.
     """
 
-    commands: Mapping[NodeId, VelocityCommand]
+    commands: Mapping[NodeId, Any]
     outboxes: Mapping[NodeId, tuple[bytes, ...]]
     complete: frozenset[NodeId]
     silenced: tuple[NodeId, ...]
@@ -50,7 +50,7 @@ class AnswerBook:
         self._heard: set[NodeId] = set()
         self._tick = -1
         self._missing: set[NodeId] = set()
-        self._commands: dict[NodeId, VelocityCommand] = {}
+        self._commands: dict[NodeId, Any] = {}
         self._outboxes: dict[NodeId, tuple[bytes, ...]] = {}
         self._late: dict[NodeId, tuple[bytes, ...]] = {}
 
@@ -73,13 +73,13 @@ class AnswerBook:
         expected = self._live - {MISSION} or self._live
         return bool(expected) and expected <= self._silent - self._heard
 
-    def open(self, tick: int) -> None:
-        """Begin to collect the answers of a tick."""
+    def open(self, tick: int, asked: Collection[NodeId] | None = None) -> None:
+        """Begin to collect the answers of a tick, from those who are `asked`; None: from all."""
         self._tick = tick
-        self._missing = self._live - self._silent
+        self._missing = self._live - self._silent if asked is None else (self._live & set(asked)) - self._silent
         self._commands, self._outboxes = {}, {}
 
-    def put_command(self, robot: NodeId, tick: int, command: VelocityCommand) -> None:
+    def put_command(self, robot: NodeId, tick: int, command: Any) -> None:
         """Take a robot's command for a tick."""
         self._heard.add(robot)
         if tick == self._tick and robot in self._live:

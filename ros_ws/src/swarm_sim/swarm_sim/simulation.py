@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -13,40 +12,20 @@ from numpy.typing import NDArray
 from swarm_msgs_py.messages.camera import CameraInfo
 from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.step_io import AgentInputs, MissionInputs
-from swarm_msgs_py.types import MISSION, FloatArray, NodeId, node_name
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 from swarm_sim.camera.feed import CameraFeed
 from swarm_sim.config import SimConfig
+from swarm_sim.electronics import Electronics, death_line
 from swarm_sim.radio.links import LinkTable, make_links
-from swarm_sim.radio.medium import Medium, RadioTraffic
+from swarm_sim.radio.medium import RadioTraffic
 from swarm_sim.scene import RobotSpec, Scene, check_scene
 from swarm_sim.sensors.suite import SensorSuite
+from swarm_sim.ticked_world import Observation
 from swarm_sim.world.clearance import clearance
 from swarm_sim.world.obstacles import ObstacleField
 from swarm_sim.world.registry import make_world
 
 __all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth", "death_line"]
-
-logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Observation:
-    """What every actor learns at the start of a tick.
-
-    Attributes
-    ----------
-    tick : int
-    time : float
-        Simulated time [s].
-    agents : mapping of NodeId to AgentInputs
-        Live robots, ascending.
-    mission : MissionInputs
-    """
-
-    tick: int
-    time: float
-    agents: Mapping[NodeId, AgentInputs]
-    mission: MissionInputs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,29 +94,23 @@ class Simulation:
         check_scene(scene)
         self.robots: tuple[NodeId, ...] = tuple(robot.id for robot in scene.robots)
         self._period_s = config.period_s
-        self._row = {radio: row for row, radio in enumerate((*self.robots, MISSION))}
         self._radii = np.array([robot.type.coverage_radius_m for robot in scene.robots])
         self._antenna = np.array([scene.mission_position], dtype=np.float64)
         self._obstacles = ObstacleField(scene.obstacles)
-        self._links = make_links(config.radio, self._obstacles)
-        self._medium = Medium(config.radio, tuple(self._row), config.period_s, seed)
+        links = make_links(config.radio, self._obstacles)
+        nodes = (*self.robots, MISSION)
+        self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths)
         self._sensors = SensorSuite(config, scene, self._obstacles, seed)
         self._world = make_world(config, scene, seed)
         self._camera = CameraFeed(config.camera, scene.markers, seed) if config.camera.is_on else None
 
         self._tick = 0
-        self._alive = np.ones(len(self._row), dtype=np.bool_)  # robots, then the mission computer
         self._setpoints = np.zeros((len(self.robots), 3))
         self._patience = int(config.servo.command_hold_s / config.period_s + 1e-9)
         self._unanswered = np.zeros(len(self.robots), dtype=np.int64)
         self._mean_accelerations = np.zeros((len(self.robots), 2))
-        self._traffic = RadioTraffic()
-        self._inboxes: list[tuple[bytes, ...]] = [()] * len(self._row)
-        self._link_table: LinkTable | None = None
         self._observed: Mapping[NodeId, AgentInputs] | None = None
         self._is_applied = False
-        self._deaths, self._died = dict(deaths), list[NodeId]()
-        self._let_die()
 
     @property
     def camera_info(self) -> CameraInfo | None:
@@ -154,7 +127,7 @@ class Simulation:
         """Return the simulated time at the start of the current tick [s]."""
         return self._tick * self._period_s
 
-    def observe(self, shape: FloatArray | None = None) -> Observation:
+    def observe(self, shape: FloatArray | None = None) -> Observation[AgentInputs]:
         """Return what every actor learns in this tick; the same however often it is asked.
 
         Parameters
@@ -167,7 +140,7 @@ class Simulation:
         image, info = None, None
         if self._camera is not None:
             image, info = self._camera.image(self.time, self._world.state), self.camera_info
-        mission = MissionInputs(self._tick, self.time, self._inboxes[-1], shape, image, info)
+        mission = MissionInputs(self._tick, self.time, self._electronics.inboxes[-1], shape, image, info)
         return Observation(self._tick, self.time, self._observed, mission)
 
     def apply(self, commands: Mapping[NodeId, VelocityCommand], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
@@ -194,26 +167,23 @@ class Simulation:
         self._is_applied = True
         self._unanswered += 1
         for robot, command in commands.items():
-            row = self._row[robot]
-            if self._alive[row]:
+            if self._electronics.is_alive(robot):
+                row = self._electronics.row[robot]
                 self._setpoints[row] = command.forward, command.left, command.yaw_rate
                 self._unanswered[row] = 0
-        for radio in outboxes:
-            self._row[radio]
-        live = {radio: frames for radio, frames in outboxes.items() if self._alive[self._row[radio]]}
-        self._traffic = self._medium.transmit(self._tick, live, self._current_links())
+        self._electronics.transmit(self._tick, outboxes, self._antennas)
 
     def advance(self) -> TickTruth:
         """Run the bodies through one control period, and begin the next tick."""
         if not self._is_applied:
             self.apply({}, {})
-        self._setpoints[(self._unanswered > self._patience) | ~self._alive[:-1]] = 0.0
+        self._setpoints[(self._unanswered > self._patience) | ~self._electronics.alive[:-1]] = 0.0
         motion = self._world.advance(self._setpoints)
         gap = clearance(motion.start.positions, motion.samples, self._radii, self._obstacles)
         robots = self.robots
         overlaps = [(int(robots[i]), int(robots[j])) for i, j in gap.robot_overlaps]
         overlaps += [(int(robots[i]), -1 - obstacle) for i, obstacle in gap.obstacle_overlaps]
-        alive = self._alive[:-1].copy()
+        alive = self._electronics.alive[:-1].copy()
         alive.flags.writeable = False
         truth = TickTruth(
             tick=self._tick,
@@ -227,7 +197,7 @@ class Simulation:
             sample_velocities=motion.sample_velocities,
             min_clearance=gap.min_gap,
             overlaps=tuple(overlaps),
-            radio=self._traffic,
+            radio=self._electronics.traffic,
         )
         self._begin_tick(motion.mean_accelerations)
         return truth
@@ -240,23 +210,14 @@ class Simulation:
         KeyError
             If the address is not in the scene.
         """
-        row = self._row[node]
-        if not self._alive[row]:
+        if not self._electronics.kill(self._tick, node):
             return
-        logger.info("tick %d: %s died", self._tick, node_name(node))
-        self._alive[row] = False
-        self._medium.silence(node)
-        self._inboxes[row] = ()
-        self._link_table = None
-        if node != MISSION:
-            self._setpoints[row] = 0.0
         if self._observed is not None:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
 
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""
-        died, self._died = tuple(self._died), []
-        return died
+        return self._electronics.take_died()
 
     def close(self) -> None:
         """Free the physics back end, and the camera's renderer; may be called again."""
@@ -267,38 +228,24 @@ class Simulation:
     def _begin_tick(self, mean_accelerations: FloatArray) -> None:
         self._tick += 1
         self._mean_accelerations = mean_accelerations
-        self._inboxes = self._medium.collect(self._tick, self._alive)
-        self._traffic = RadioTraffic()
-        self._link_table = None
+        self._electronics.begin(self._tick)
         self._observed = None
         self._is_applied = False
-        self._let_die()
 
-    def _let_die(self) -> None:
-        """Kill whose time has come, before anybody learns anything in this tick."""
-        for robot in sorted(robot for robot, tick in self._deaths.items() if tick <= self._tick):
-            del self._deaths[robot]
-            self.kill(robot)
-            self._died.append(robot)
+    @property
+    def _antennas(self) -> FloatArray:
+        return np.concatenate([self._world.state.positions, self._antenna])
 
     def _current_links(self) -> LinkTable:
-        if self._link_table is None:
-            antennas = np.concatenate([self._world.state.positions, self._antenna])
-            self._link_table = self._links.evaluate(antennas, self._alive)
-        return self._link_table
+        return self._electronics.links(self._antennas)
 
     def _sense(self) -> Mapping[NodeId, AgentInputs]:
         readings = self._sensors.measure(self._tick, self._world.state, self._mean_accelerations, self._current_links())
+        electronics = self._electronics
         return {
             robot: AgentInputs(self._tick, self.time, *reading, inbox=inbox)
             for robot, reading, inbox, is_alive in zip(
-                self.robots, readings, self._inboxes[:-1], self._alive[:-1], strict=True
+                self.robots, readings, electronics.inboxes[:-1], electronics.alive[:-1], strict=True
             )
             if is_alive
         }
-
-
-def death_line(node: NodeId) -> str:
-    """Return what the operator reads when a node dies because the scenario says so."""
-    what = "is switched off" if node == MISSION else "dies"
-    return f"{node_name(node)} {what}, as the scenario says"

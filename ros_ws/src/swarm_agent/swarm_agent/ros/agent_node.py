@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,13 +18,13 @@ from swarm_agent.input_assembler import InputAssembler
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.frames import pack_batch
-from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.messages.sensing import PositionFix
 from swarm_msgs_py.partition import PartitionConfig
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import cdr, channels, convert, parameters, views
+from swarm_msgs_py.ros.dialect import Dialect, Sense
+from swarm_msgs_py.ros.formation_dialect import FORMATION
 from swarm_msgs_py.ros.spin import run_node
-from swarm_msgs_py.step_io import AgentInputs, AgentOutputs
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import NodeId, robot_name
 
@@ -33,8 +34,8 @@ NAME = "agent"
 class Steps(Protocol):
     """What the node runs: one robot's agent."""
 
-    def step(self, inputs: AgentInputs) -> AgentOutputs:
-        """Advance by one tick."""
+    def step(self, inputs: Any) -> Any:
+        """Advance by one tick: from the inputs of its family to the outputs."""
         ...
 
 
@@ -74,6 +75,8 @@ class AgentNode(Node):
         Control period [s].
     on_step : callable or None
         Is handed what the agent answered, after it was sent.
+    dialect : Dialect
+        How its family's inputs and commands travel.
     on_failure : callable or None
         Is handed what the agent, or sending its answer, raised; from then on the node keeps silent, until its owner
         destroys it. None lets the exception end the process, as is right for a robot that has it to itself.
@@ -81,32 +84,34 @@ class AgentNode(Node):
         Of `rclpy.node.Node`.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 - whom it runs, how it talks, and who wants to know
         self,
         agent: Steps,
         robot: NodeId,
         period_s: float,
-        on_step: Callable[[AgentOutputs], None] | None = None,
+        on_step: Callable[[Any], None] | None = None,
         on_failure: Callable[[Exception], None] | None = None,
+        dialect: Dialect[Any, Any, Any] = FORMATION,
         **options: Any,
     ) -> None:
         super().__init__(NAME, namespace=robot_name(robot), **options)
         self._agent, self._robot, self._period = agent, robot, period_s
         self._on_step, self._on_failure, self._has_failed = on_step, on_failure, False
-        self._frame = convert.body_frame(robot)
-        self._assembler = InputAssembler(period_s)
+        self._dialect = dialect
+        self._assembler = InputAssembler(period_s, dialect.join, dialect.required)
         self._command = channels.publisher(self, topics.CMD_VEL, robot)
         self._radio = channels.publisher(self, topics.RADIO_TX, robot)
-        self._odom, self._path, self._status = (views.View(self, view, robot) for view in topics.ROBOT_VIEWS)
-        put, at = self._assembler, self._tick_at
-        self._listen(topics.IMU, convert.decode_imu, lambda m: put.put_imu(at(m[0]), m[1]))
-        self._listen(topics.FIX, convert.decode_fix, lambda m: put.put_fix(at(m[0]), m[1]))
-        self._listen(topics.RANGES, convert.decode_ranges, lambda m: put.put_ranges(*m))
-        self._listen(topics.PROXIMITY, convert.decode_proximity, lambda m: put.put_proximity(at(m[0]), m[1]))
-        self._listen(topics.RADIO_RX, convert.decode_frames, put.put_batch)
+        self._views = [(views.View(self, channel, robot), make) for channel, make in dialect.views]
+        for sense in dialect.senses:
+            self._listen_to(sense)
+        self._listen(topics.RADIO_RX, convert.decode_frames, self._assembler.put_batch)
+
+    def _listen_to(self, sense: Sense[Any]) -> None:
+        decode, part, put = sense.decode, sense.part, self._assembler.put
+        self._listen(sense.channel, lambda data: decode(data, self._period), lambda m: put(part, m[0], m[1]))
 
     def _listen(
-        self, channel: topics.Channel, decode: Callable[[bytes], Any], put: Callable[[Any], AgentInputs | None]
+        self, channel: topics.Channel, decode: Callable[[bytes], Any], put: Callable[[Any], Any | None]
     ) -> None:
         def take(record: Any) -> None:
             if self._has_failed:
@@ -123,21 +128,14 @@ class AgentNode(Node):
 
         channels.decoded_subscription(self, channel, decode, take, self._robot)
 
-    def _answer(self, outputs: AgentOutputs) -> None:
+    def _answer(self, outputs: Any) -> None:
         seconds = outputs.tick * self._period
-        self._command.publish(convert.encode_command(cdr.stamp(seconds), self._frame, outputs.command))
+        self._command.publish(self._dialect.encode_command(cdr.stamp(seconds), self._robot, outputs.command))
         self._radio.publish(convert.encode_batch(pack_batch(outputs.tick, Parts.NONE, outputs.outbox)))
         if self._on_step is not None:
             self._on_step(outputs)
-        self._show(seconds, outputs.report)
-
-    def _show(self, seconds: float, report: AgentReport) -> None:
-        self._odom.show(lambda: views.odometry(self._robot, seconds, report))
-        self._path.show(lambda: views.path(seconds, report))
-        self._status.show(lambda: views.status(self._robot, seconds, report))
-
-    def _tick_at(self, seconds: float) -> int:
-        return convert.tick_at(seconds, self._period)
+        for view, make in self._views:
+            view.show(partial(make, self._robot, seconds, outputs.report))
 
 
 def _from_parameters(context: Context) -> AgentNode:

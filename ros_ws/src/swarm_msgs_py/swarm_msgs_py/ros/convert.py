@@ -16,10 +16,13 @@ from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.messages.sensing import ImuSample, PositionFix, RangeScan
 from swarm_msgs_py.orientation import quaternion_of, yaw_of
 from swarm_msgs_py.ros import cdr
-from swarm_msgs_py.types import FloatArray, NodeId, robot_name
+from swarm_msgs_py.types import FloatArray, IntArray, NodeId, robot_name
 
 MAP_FRAME = "map"
 """The world frame (REP 105)."""
+
+NEIGHBOR_LABELS = ("neighbor", "id_offset")
+"""The same of a scan of neighbors in space: one row per robot, [address, x, y, z [m]] each."""
 
 RANGE_LABELS = ("neighbor", "id_range")
 """Labels of the two dimensions of a range scan: one row per neighbor, [address, range [m]] each."""
@@ -31,6 +34,9 @@ _UNKNOWN_COVARIANCE = (0.0,) * 9
 _UNMEASURED = (-1.0, *(0.0,) * 8)
 _FIX = struct.Struct("<43d")  # position 3, quaternion 4, covariance 36
 _FIX_REST = tuple(UNMEASURED_VARIANCE if row == column else 0.0 for row in range(2, 6) for column in range(6))
+_EXACT_PLACE = tuple(
+    0.0 if row != column or row < 3 else UNMEASURED_VARIANCE for row in range(6) for column in range(6)
+)
 _TWIST = struct.Struct("<6d")
 
 
@@ -154,6 +160,65 @@ def decode_command(data: bytes) -> tuple[float, VelocityCommand]:
     if not math.isfinite(forward + left + yaw_rate):
         raise cdr.MessageError(f"velocity command must be finite, got {forward}, {left}, {yaw_rate}")
     return time, VelocityCommand(forward, left, yaw_rate)
+
+
+def encode_place(stamp: bytes, position: FloatArray) -> bytes:
+    """Return a ``geometry_msgs/PoseWithCovarianceStamped`` of an exact position (3,) [m], of unmeasured orientation."""
+    return stamp + cdr.frame(MAP_FRAME) + _FIX.pack(*position.tolist(), 0.0, 0.0, 0.0, 1.0, *_EXACT_PLACE)
+
+
+def decode_place(data: bytes) -> tuple[float, FloatArray]:
+    """Return the time [s] and the position (3,) [m] of a ``geometry_msgs/PoseWithCovarianceStamped``.
+
+    Raises
+    ------
+    MessageError
+        If the message is cut short, or a coordinate is not finite.
+    """
+    time, at = cdr.read_header(data)
+    position = cdr.read_doubles(data, _FIX, at)[:3]
+    if not all(map(math.isfinite, position)):
+        raise cdr.MessageError(f"position must be finite, got {', '.join(map(str, position))}")
+    return time, np.array(position)
+
+
+def encode_neighbors(tick: int, ids: IntArray, offsets: FloatArray) -> bytes:
+    """Return a ``std_msgs/Float64MultiArray``: the tick, then a row [robot, x, y, z] for each id and offset [m]."""
+    return cdr.double_array(np.column_stack((ids, offsets)), NEIGHBOR_LABELS, (float(tick),))
+
+
+def decode_neighbors(data: bytes) -> tuple[int, tuple[IntArray, FloatArray]]:
+    """Return the tick, and the ids (n,) and offsets (n, 3) [m], of a ``std_msgs/Float64MultiArray``.
+
+    Raises
+    ------
+    MessageError
+        If it is not a table of four columns after one number.
+    """
+    leading, rows = cdr.read_double_array(data)
+    if len(leading) != 1 or rows.shape[1] != 4:
+        raise cdr.MessageError(f"neighbors have {len(leading)} + n x {rows.shape[1]} numbers, not 1 + n x 4")
+    return int(leading[0]), (rows[:, 0].astype(np.int64), np.ascontiguousarray(rows[:, 1:]))
+
+
+def encode_velocity(stamp: bytes, frame: str, velocity: FloatArray) -> bytes:
+    """Return a ``geometry_msgs/TwistStamped`` of a velocity (3,) [m/s]."""
+    return stamp + cdr.frame(frame) + _TWIST.pack(*velocity.tolist(), 0.0, 0.0, 0.0)
+
+
+def decode_velocity(data: bytes) -> tuple[float, FloatArray]:
+    """Return the time [s] and the velocity (3,) [m/s] of a ``geometry_msgs/TwistStamped``.
+
+    Raises
+    ------
+    MessageError
+        If the message is cut short, or a number is not finite.
+    """
+    time, at = cdr.read_header(data)
+    velocity = cdr.read_doubles(data, _TWIST, at)[:3]
+    if not all(map(math.isfinite, velocity)):
+        raise cdr.MessageError(f"velocity must be finite, got {', '.join(map(str, velocity))}")
+    return time, np.array(velocity)
 
 
 def encode_batch(batch: bytes) -> bytes:

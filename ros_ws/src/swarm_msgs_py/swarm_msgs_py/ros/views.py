@@ -20,6 +20,7 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from swarm_msgs_py.coverage_io import CoverageReport
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
 from swarm_msgs_py.orientation import quaternion_of
@@ -82,7 +83,7 @@ def odometry(robot: NodeId, seconds: float, report: AgentReport) -> Odometry:
     return message
 
 
-def path(seconds: float, report: AgentReport) -> Path:
+def path(robot: NodeId, seconds: float, report: AgentReport) -> Path:  # noqa: ARG001 - of a family of views
     """Return where a robot means to drive: its own position, then the way-points."""
     header = _header(seconds)
     points = [report.position, *report.path]
@@ -127,8 +128,41 @@ def status(robot: NodeId, seconds: float, report: AgentReport) -> DiagnosticArra
     return DiagnosticArray(header=_header(seconds), status=[state])
 
 
+def point_odometry(robot: NodeId, seconds: float, report: CoverageReport) -> Odometry:
+    """Return where a point robot believes to be; the origin as long as it does not know."""
+    message = Odometry(header=_header(seconds), child_frame_id=body_frame(robot))
+    message.pose.pose = _pose(np.zeros(3) if report.position is None else report.position, 0.0)
+    return message
+
+
+def point_path(robot: NodeId, seconds: float, report: CoverageReport) -> Path:  # noqa: ARG001 - of a family of views
+    """Return where a point robot means to drive: its own position, then its place."""
+    header = _header(seconds)
+    points = [point for point in (report.position, report.target) if point is not None]
+    return Path(header=header, poses=[PoseStamped(header=header, pose=_pose(point, 0.0)) for point in points])
+
+
+def point_status(robot: NodeId, seconds: float, report: CoverageReport) -> DiagnosticArray:
+    """Return what a point robot does and knows."""
+    values = {
+        "mode": report.mode.name.lower(),
+        "hops": report.hops,
+        "places": report.places,
+        "is_done": report.is_done,
+        "is_leading": report.is_leading,
+    }
+    state = DiagnosticStatus(
+        level=DiagnosticStatus.OK,
+        name=robot_name(robot),
+        hardware_id=robot_name(robot),
+        message=report.mode.name.lower(),
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+    )
+    return DiagnosticArray(header=_header(seconds), status=[state])
+
+
 def poses(seconds: float, positions: FloatArray, yaws: Iterable[float]) -> PoseArray:
-    """Return poses in the world frame, for (n, 2) positions [m] and n headings [rad]."""
+    """Return poses in the world frame, for (n, 2) or (n, 3) positions [m] and n headings [rad]."""
     posed = [_pose(position, yaw) for position, yaw in zip(positions, yaws, strict=True)]
     return PoseArray(header=_header(seconds), poses=posed)
 
@@ -160,7 +194,8 @@ def _points(positions: FloatArray) -> list[Point]:
 
 def _pose(position: Sequence[float] | FloatArray, yaw: float) -> Pose:
     z, w = quaternion_of(yaw)
-    return Pose(position=Point(x=float(position[0]), y=float(position[1])), orientation=Quaternion(z=z, w=w))
+    x, y, height = (*map(float, position), 0.0)[:3]
+    return Pose(position=Point(x=x, y=y, z=height), orientation=Quaternion(z=z, w=w))
 
 
 def _header(seconds: float) -> Header:

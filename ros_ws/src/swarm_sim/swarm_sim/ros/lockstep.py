@@ -15,7 +15,8 @@ from swarm_msgs_py.ros.spin import SLICE_S, spin_for
 from swarm_msgs_py.topics import namespace_of
 from swarm_msgs_py.types import NodeId, node_name
 from swarm_sim.answers import Answers
-from swarm_sim.simulation import TickTruth, death_line
+from swarm_sim.electronics import death_line
+from swarm_sim.ticked_world import Truth
 
 ANSWER_SHARE = 0.7  # of a tick in real time, in which answers count; the rest is for physics and publishing
 NAMED_MAX = 6  # nodes that one alert names
@@ -49,7 +50,7 @@ class TickResult:
 
     Attributes
     ----------
-    truth : TickTruth
+    truth : Truth
     answered : frozenset of NodeId
         Who answered in time.
     alerts : tuple of str
@@ -58,7 +59,7 @@ class TickResult:
         Who is dead.
     """
 
-    truth: TickTruth
+    truth: Truth
     answered: frozenset[NodeId]
     alerts: tuple[str, ...]
     lost: frozenset[NodeId]
@@ -90,7 +91,7 @@ class SteppedWorld(Protocol):
         """Publish everything that belongs to the current tick."""
         ...
 
-    def finish(self) -> tuple[TickTruth, Answers]:
+    def finish(self) -> tuple[Truth, Answers]:
         """Apply what was answered and let the bodies move."""
         ...
 

@@ -20,24 +20,23 @@ from std_srvs.srv import Trigger
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.frames import Batch, pack_batch
-from swarm_msgs_py.messages.control import VelocityCommand
 from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.ros import camera, cdr, channels, convert, parameters, views
+from swarm_msgs_py.ros.dialect import Dialect
+from swarm_msgs_py.ros.formation_dialect import FORMATION
 from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.spin import run_with_ros
-from swarm_msgs_py.step_io import AgentInputs, MissionInputs
+from swarm_msgs_py.step_io import MissionInputs
 from swarm_msgs_py.topics import Parts
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.answers import AnswerBook, Answers
 from swarm_sim.config import SimConfig
 from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
 from swarm_sim.scene import RobotSpec, Scene
-from swarm_sim.simulation import Simulation, TickTruth
+from swarm_sim.simulation import Simulation
+from swarm_sim.ticked_world import TickedWorld, Truth
 
 NAME, NAMESPACE = "world", "world"
-
-# Plain numbers: arithmetic on enumeration members costs ten times as much.
-_IMU, _FIX, _RANGES, _PROXIMITY = (int(part) for part in (Parts.IMU, Parts.FIX, Parts.RANGES, Parts.PROXIMITY))
 
 logger = logging.getLogger(__name__)
 
@@ -57,9 +56,11 @@ class WorldNode(Node):
 
     Parameters
     ----------
-    simulation : Simulation
+    simulation : TickedWorld
     period_s : float
         Control period [s].
+    dialect : Dialect
+        How its robots' inputs and commands travel.
     **options
         Of `rclpy.node.Node`.
 
@@ -73,9 +74,11 @@ class WorldNode(Node):
         Control period [s].
     """
 
-    def __init__(self, simulation: Simulation, period_s: float, **options: Any) -> None:
+    def __init__(
+        self, simulation: TickedWorld, period_s: float, dialect: Dialect[Any, Any, Any] = FORMATION, **options: Any
+    ) -> None:
         super().__init__(NAME, namespace=NAMESPACE, **options)
-        self._simulation, self.period_s = simulation, period_s
+        self._simulation, self.period_s, self._dialect = simulation, period_s, dialect
         self._book = AnswerBook((*simulation.robots, MISSION))
         self._killed: list[NodeId] = []
         self._died: list[NodeId] = []
@@ -84,7 +87,7 @@ class WorldNode(Node):
         self._clock_topic = channels.publisher(self, topics.CLOCK)
         self._truth = views.View(self, topics.TRUTH)
         self._sensors = {
-            robot: tuple(channels.publisher(self, channel, robot) for channel in topics.ROBOT_SENSORS)
+            robot: tuple(channels.publisher(self, channel, robot) for channel in dialect.sensors)
             for robot in simulation.robots
         }
         self._mission_rx = channels.publisher(self, topics.RADIO_RX, MISSION)
@@ -94,7 +97,7 @@ class WorldNode(Node):
             self._camera_info = channels.publisher(self, topics.CAMERA_INFO)
             self._camera_info.publish(camera.info_message(simulation.camera_info))
         for robot in simulation.robots:
-            self._listen(topics.CMD_VEL, convert.decode_command, self._take_command, robot)
+            self._listen(topics.CMD_VEL, dialect.decode_command, self._take_command, robot)
         for node in (*simulation.robots, MISSION):
             self._listen(topics.RADIO_TX, convert.decode_frames, self._take_frames, node)
         channels.subscription(self, topics.KILL_ROBOT, self._take_kill)
@@ -124,7 +127,7 @@ class WorldNode(Node):
             self._book.remove(node)
             self._is_mission_on &= node != MISSION
         self.answered = Future()
-        self._book.open(seen.tick)
+        self._book.open(seen.tick, frozenset(seen.agents) | {MISSION})
         stamp = cdr.stamp(seen.time)
         self._clock_topic.publish(Clock(clock=views.time_message(seen.time)))
         if self._is_mission_on:
@@ -133,7 +136,7 @@ class WorldNode(Node):
             self._publish_senses(robot, stamp, inputs)
         self._check()
 
-    def finish(self) -> tuple[TickTruth, Answers]:
+    def finish(self) -> tuple[Truth, Answers]:
         """Apply what was answered, let the bodies move, and return what happened."""
         answers = self._book.close()
         self._simulation.apply(answers.commands, answers.outboxes)
@@ -163,21 +166,14 @@ class WorldNode(Node):
         if inputs.image is not None and self._images is not None:
             self._images.publish(camera.encode_image(inputs.image))
 
-    def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: AgentInputs) -> None:
-        """Publish what a robot senses. What is empty stays unsaid: a message costs far more time than its bytes do."""
-        imu, fix, ranges, proximity, radio = self._sensors[robot]
-        frame, parts = convert.body_frame(robot), _IMU
-        imu.publish(convert.encode_imu(stamp, frame, inputs.imu))
-        if inputs.fix is not None:
-            parts |= _FIX
-            fix.publish(convert.encode_fix(stamp, inputs.fix))
-        if len(inputs.ranges.neighbors):
-            parts |= _RANGES
-            ranges.publish(convert.encode_ranges(inputs.tick, inputs.ranges))
-        # A viewer beside the robot has to learn that there is nothing near any more.
-        if len(inputs.proximity) or proximity.get_subscription_count() > 1:
-            parts |= _PROXIMITY
-            proximity.publish(convert.encode_proximity(stamp, frame, inputs.proximity))
+    def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: Any) -> None:
+        """Publish what a robot senses, as far as there is anything to say."""
+        *sensors, radio = self._sensors[robot]
+        parts = 0
+        for sense, publisher in zip(self._dialect.senses, sensors, strict=True):
+            if sense.is_there(inputs) or (sense.tells_viewers and publisher.get_subscription_count() > 1):
+                parts |= sense.part
+                publisher.publish(sense.encode(stamp, robot, inputs))
         radio.publish(convert.encode_batch(pack_batch(inputs.tick, parts, inputs.inbox)))
 
     def _listen(
@@ -189,7 +185,7 @@ class WorldNode(Node):
     ) -> None:
         channels.decoded_subscription(self, channel, decode, lambda record: take(node, record), node)
 
-    def _take_command(self, robot: NodeId, stamped: tuple[float, VelocityCommand]) -> None:
+    def _take_command(self, robot: NodeId, stamped: tuple[float, Any]) -> None:
         seconds, command = stamped
         self._book.put_command(robot, convert.tick_at(seconds, self.period_s), command)
         self._check()

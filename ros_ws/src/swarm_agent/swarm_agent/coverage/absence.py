@@ -1,0 +1,80 @@
+"""Who is gone: robots that must be sensed, and are not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from swarm_agent.coverage.board import Board
+from swarm_agent.coverage.config import CoverageConfig
+from swarm_agent.coverage.frames import Place, State
+from swarm_agent.coverage.surroundings import Surroundings
+from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
+from swarm_msgs_py.types import FloatArray, NodeId
+
+HIDDEN = 10  # times as patient with robots under way, where obstacles may hide them
+
+
+class AbsenceWatch:
+    """Finds places whose robots have vanished.
+
+    A robot senses all others within 2 r_sc. One that holds a place well within that, or that was on its way to a place
+    well within that when last sensed, and is not sensed for some ticks, does not exist any more.
+
+    Parameters
+    ----------
+    me : NodeId
+    config : CoverageConfig
+    barriers : Barriers, optional
+        Obstacles that hide robots.
+    """
+
+    def __init__(self, me: NodeId, config: CoverageConfig, barriers: Barriers = OPEN_SPACE) -> None:
+        self._me = me
+        self._barriers = barriers
+        self._patience = config.protocol.absence_ticks
+        self._patience_under_way = self._patience * (HIDDEN if barriers else 1)
+        self._reach = config.protocol.absence_share * config.range_m
+        self._missed: dict[NodeId, int] = {}
+        self._under_way: set[NodeId] = set()
+        self._near: dict[NodeId, Place] = {}
+        self._traveling: dict[NodeId, Place] = {}
+        self._revision = -1
+
+    def gone(self, position: FloatArray, board: Board, around: Surroundings) -> list[Place]:
+        """Return the records of places whose robots are gone.
+
+        Parameters
+        ----------
+        position : (3,) array
+            Own place [m].
+        board : Board
+        around : Surroundings
+        """
+        if board.revision != self._revision:
+            self._look_up(position, board)
+        for robot in self._traveling:
+            distance = around.distance(robot)
+            if distance < self._reach:
+                self._under_way.add(robot)
+            elif np.isfinite(distance):
+                self._under_way.discard(robot)
+        expected = self._near.keys() | (self._under_way & self._traveling.keys())
+        missing = expected - around.robots.keys()
+        self._missed = {robot: self._missed.get(robot, 0) + 1 for robot in missing}
+        lost = sorted(
+            robot
+            for robot, ticks in self._missed.items()
+            if ticks >= (self._patience if robot in self._near else self._patience_under_way)
+        )
+        return [self._near.get(robot) or self._traveling[robot] for robot in lost]
+
+    def _look_up(self, position: FloatArray, board: Board) -> None:
+        """Note who must be near, and who is under way."""
+        self._revision = board.revision
+        robots, places = list(board.held), board.held_positions
+        near = np.linalg.norm(places - position, axis=1) < self._reach
+        if self._barriers:
+            near &= ~self._barriers.cut(np.broadcast_to(position, places.shape), places)
+        self._near = {robots[row]: board.held[robots[row]] for row in np.flatnonzero(near) if robots[row] != self._me}
+        self._traveling = {place.holder: place for place in board.places(State.TAKEN) if place.holder != self._me}
+        self._under_way &= self._traveling.keys()

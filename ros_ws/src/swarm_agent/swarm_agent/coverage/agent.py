@@ -1,0 +1,359 @@
+"""One robot of the coverage family: gathers at the leader, takes a place, travels to it, holds it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from swarm_agent.coverage.absence import AbsenceWatch
+from swarm_agent.coverage.board import Board
+from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
+from swarm_agent.coverage.flock import Flock
+from swarm_agent.coverage.frames import NOBODY, Frame, Key, Mission, Place, State, decode, on_air
+from swarm_agent.coverage.leading import Leading
+from swarm_agent.coverage.offers import Offers
+from swarm_agent.coverage.rendezvous import INFINITE, Rendezvous
+from swarm_agent.coverage.surroundings import Surroundings
+from swarm_agent.coverage.telling import Telling
+from swarm_agent.coverage.travel import Travel
+from swarm_agent.coverage.unfolding import Unfolding, may_unfold
+from swarm_agent.coverage.whereabouts import located, located_by_all, nearest_holder, toward
+from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
+from swarm_msgs_py.coverage_orders import CoverageOrder, decode_order, is_order
+from swarm_msgs_py.errors import FrameError, ShapeError
+from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
+from swarm_msgs_py.geometry.solids.description import solid_from, unpacked_description
+from swarm_msgs_py.geometry.solids.solid import Solid
+from swarm_msgs_py.types import FloatArray, NodeId
+
+TREE_LINK = 0.98  # edges of the rendezvous tree, in ranges: who travels along them may be a little off
+LINK_SPARE = 1e-3  # of the range: links between places are strictly shorter, wherever within its tolerance one stands
+ROOT_NUMBER = 0  # of the leader's own place
+AT_REST = np.zeros(3)
+AT_REST.flags.writeable = False
+
+
+class CoverageAgent:
+    """A robot; `step` is all that it does.
+
+    Parameters
+    ----------
+    me : NodeId
+    config : CoverageConfig
+    period : float
+        Of a tick [s].
+    seed : int
+        Of what the robots draw by lot; the same for all.
+    is_leader : bool
+        Whether it leads from the start: it is told where it is, and obeys the operator. Whoever takes the place of a
+        leader that has died leads from then on.
+    barriers : Barriers, optional
+        Obstacles on the map.
+    """
+
+    def __init__(  # noqa: PLR0913 - what one robot is and has been told
+        self,
+        me: NodeId,
+        config: CoverageConfig,
+        period: float,
+        seed: int,
+        *,
+        is_leader: bool = False,
+        barriers: Barriers = OPEN_SPACE,
+    ) -> None:
+        self.id = me
+        self._config, self._period, self._seed, self._barriers = config, period, seed, barriers
+        self._mission = Mission(1, me if is_leader else NOBODY, b"")
+        self._mode = CoverageMode.GATHERING
+        self._modes: dict[NodeId, CoverageMode] = {}
+        self._order = CoverageOrder(0)
+        self._leading: Leading | None = None
+        self._flock = Flock(period)
+        self._position: FloatArray | None = None
+        self._solid: Solid | None = None
+        self._telling = Telling(me, config.protocol)
+        self._gather()
+
+    def step(self, inputs: CoverageInputs) -> CoverageOutputs:
+        """Advance by one tick."""
+        around, mode = Surroundings(inputs), self._mode
+        frames = self._received(inputs.inbox)
+        self._learn(inputs.tick, frames)
+        if self._is_leading and self._order.number > self._mission.order:
+            self._obey(self._order, inputs.tick)
+        velocity = self._act(inputs, frames, around) + self._flock.drift(inputs.tick)
+        tells_tree = self._mode is CoverageMode.GATHERING or not self._mission.shape
+        outbox = self._telling.outbox(
+            inputs.tick,
+            self._mode,
+            self._mission,
+            self._rendezvous.news() if tells_tree else None,
+            has_changed=mode is not self._mode or inputs.tick == 0,
+        )
+        return CoverageOutputs(inputs.tick, velocity, outbox, self._report())
+
+    # -- hearing ---------------------------------------------------------------------------------------------------
+
+    def _received(self, inbox: tuple[bytes, ...]) -> list[Frame]:
+        """Return the frames of other robots; take orders in, and pass them on once. What is neither is dropped."""
+        frames = []
+        for data in inbox:
+            try:
+                if not is_order(data):
+                    frames.append(decode(data))
+                elif decode_order(data).number > self._order.number:
+                    self._order = decode_order(data)
+                    self._telling.pass_on(data)
+            except FrameError:
+                continue
+        return frames
+
+    def _learn(self, tick: int, frames: list[Frame]) -> None:
+        """Take in what neighbors know: their modes, the mission, the board."""
+        for frame in frames:
+            self._modes[frame.sender] = frame.mode
+            if frame.mission is not None and frame.mission.term > self._mission.term:
+                self._adopt(frame.mission)
+            # Robots without a place are leaves of the backbone: nobody needs them to pass news on, or to answer; but who
+            # is still to gather may be new here, and asks by telling that it knows nothing.
+            is_holding = self._mode is CoverageMode.HOLDING
+            answers = is_holding or self._mode is CoverageMode.GATHERING
+            self._telling.hear(tick, frame, passes_on=is_holding, answers=answers)
+
+    @property
+    def _is_leading(self) -> bool:
+        """Whether it obeys the operator: the leader, until it dies; then whoever holds its place."""
+        if self._mode is CoverageMode.HOLDING:
+            return self._place == self._root
+        return self._mission.leader == self.id
+
+    @property
+    def _root(self) -> Key:
+        return self._mission.leader, ROOT_NUMBER
+
+    def _obey(self, order: CoverageOrder, tick: int) -> None:
+        """Cover a shape, for which a swarm that has begun gathers again, or set it moving (spec section 8)."""
+        mission = replace(self._mission, order=order.number)
+        if order.shape:
+            try:
+                self._leading = Leading(order.shape, self._seed)
+            except (FrameError, ShapeError):
+                self._mission = mission  # an order that cannot be obeyed
+                return
+            if self._mission.shape:
+                self._adopt(replace(mission, term=mission.term + 1, leader=self.id, shape=b""))
+            else:
+                self._mission = mission
+        elif self._mission.shape:  # else it is obeyed as soon as there is a formation
+            since = tick + self._config.protocol.flock_notice_ticks
+            self._adopt(replace(mission, term=mission.term + 2, since=since, velocity=order.velocity))
+
+    def _adopt(self, mission: Mission) -> None:
+        """Follow a newer mission: odd terms gather, even ones expand."""
+        self._flock.follow(mission)
+        self._mission = mission
+        if mission.term % 2:
+            self._mode = CoverageMode.GATHERING
+            self._gather()
+        elif mission.shape:
+            self._solid = _solid(mission.shape)
+            if self._mode is CoverageMode.GATHERING:  # a straggler, or a newcomer
+                self._mode = CoverageMode.WAITING
+        self._telling.tell_mission()
+
+    def _gather(self) -> None:
+        is_root = self._mission.leader == self.id
+        self._rendezvous = Rendezvous(self.id, is_root=is_root, term=self._mission.term)
+        link = (1.0 - LINK_SPARE) * self._config.range_m - self._arrival
+        self._board = Board(link, self._barriers)
+        self._telling.begin(self._board)
+        self._absence = AbsenceWatch(self.id, self._config, self._barriers)
+        self._solid = None
+        self._place: Key | None = None
+        self._travel: Travel | None = None
+        self._unfolding: Unfolding | None = None
+        self._offers: Offers | None = None
+        self._offered_at = -1
+        self._open_since: dict[Key, int] = {}
+
+    # -- acting ----------------------------------------------------------------------------------------------------
+
+    def _act(self, inputs: CoverageInputs, frames: list[Frame], around: Surroundings) -> FloatArray:
+        """Return the velocity, in the frame of the flock."""
+        if self._mode is CoverageMode.GATHERING:
+            return self._gathering(inputs, frames, around)
+        if self._mode is CoverageMode.WAITING:
+            return self._led(inputs) if self._is_leading else self._waiting(inputs, around)
+        if self._mode is CoverageMode.TRAVELING:
+            return self._traveling(inputs, around)
+        return self._holding(inputs, around)
+
+    def _gathering(self, inputs: CoverageInputs, frames: list[Frame], around: Surroundings) -> FloatArray:
+        """Rendezvous (eqs. (6)-(8))."""
+        self._rendezvous.hear(inputs.tick, frames, around, TREE_LINK * self._config.range_m)
+        has_met = self._rendezvous.advance(inputs.tick, around, self._arrival)
+        if has_met or (self._is_leading and inputs.time > self._config.protocol.gather_limit_s):
+            self._mode = CoverageMode.WAITING
+        return toward(around.offset(self._rendezvous.target), self._config.motion, self._period)
+
+    def _led(self, inputs: CoverageInputs) -> FloatArray:
+        """Drive to the shape; once there, say what to do."""
+        here = self._position if inputs.position is None else inputs.position - self._flock.shift(inputs.tick)
+        if self._leading is None or here is None:  # nothing is ordered yet
+            return AT_REST
+        velocity = self._leading.approach(here, self._config, self._period)
+        if velocity is not None:
+            return velocity
+        self._adopt(replace(self._mission, term=self._mission.term + 1, leader=self.id, shape=self._leading.shape))
+        self._position, self._mode = here, CoverageMode.HOLDING
+        self._hold(self._root, 0, inputs.tick)
+        if self._config.rule is Rule.LAYOUT:
+            for number, place in enumerate(self._leading.places(here, self._config, self._barriers), start=1):
+                self._telling.say(Place((self.id, number), 0, State.OPEN, NOBODY, place), inputs.tick)
+        return AT_REST
+
+    def _waiting(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
+        """Take a place, or stay with the leader."""
+        if self._solid is None:
+            return toward(around.offset(self._rendezvous.met), self._config.motion, self._period, self._arrival)
+        place = self._choice(inputs)
+        nearest = nearest_holder(around, self._board.held) if place is not None else None
+        if place is None or nearest is None:
+            return AT_REST
+        self._telling.say(Place(place.key, place.version, State.TAKEN, self.id, place.position), inputs.tick)
+        self._place = place.key
+        self._travel = Travel(place, self._board.held[nearest[0]].key, self._config)
+        if self._predicts and not self._barriers and may_unfold(self._board, self._root, self.id):
+            self._unfolding = Unfolding(self._root, place.key, self._board, self._config, inputs.tick, self._period)
+        self._limit = self._config.protocol.travel_limit * (
+            self._travel.expected_ticks(self._board, self._period) + self._config.protocol.heartbeat_ticks
+        )
+        self._mode = CoverageMode.TRAVELING
+        return self._traveling(inputs, around)
+
+    @property
+    def _predicts(self) -> bool:
+        return self._config.expansion is Expansion.PREDICTED
+
+    def _choice(self, inputs: CoverageInputs) -> Place | None:
+        """Return the place for this robot: the k-th of the waiting ones, by descending number, gets the k-th place."""
+        count = self._board.count(State.OPEN)
+        if not count:
+            return None
+        rank = sum(r > self.id and self._modes.get(r) is CoverageMode.WAITING for r in inputs.ids.tolist())
+        is_serial = self._config.expansion is Expansion.SERIAL
+        if rank >= count or (is_serial and (rank or self._board.count(State.TAKEN))):
+            return None
+        hops = self._board.hops_from(self._root, over_taken=self._predicts)
+        is_open = self._board.places(State.OPEN)
+        self._open_since = {p.key: self._open_since.get(p.key, inputs.tick) for p in is_open}
+        age = 0 if self._config.rule is Rule.LAYOUT or is_serial else self._config.protocol.offer_ticks
+        places = [p for p in is_open if p.key in hops and inputs.tick - self._open_since[p.key] >= age]
+        places.sort(key=lambda place: (hops[place.key], place.key))
+        return places[rank] if rank < len(places) else None
+
+    def _traveling(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
+        """Follow the way; on arrival switch the sensor on (Algorithm 2)."""
+        assert self._travel is not None
+        assert self._place is not None
+        place = self._board.get(self._place)
+        if place is None or place.holder != self.id or place.state is not State.TAKEN:  # somebody else was quicker
+            return self._stray()
+        if self._travel.ticks > self._limit:  # [I9]
+            self._telling.say(self._board.freed(place, State.OPEN), inputs.tick)
+            return self._stray()
+        here = located(around, self._board.held)
+        is_exact = here is not None
+        if here is None and self._unfolding is not None:
+            here = self._unfolding.located(inputs.tick, self._board, around)
+        if here is not None:
+            self._position = here
+        if self._position is None:
+            return AT_REST
+        offset = np.array(place.position) - self._position
+        if is_exact and np.linalg.norm(offset) <= self._arrival:
+            self._mode = CoverageMode.HOLDING
+            self._hold(place.key, place.version, inputs.tick)
+            return AT_REST
+        if self._unfolding is not None:
+            self._travel.ticks += 1
+            target: FloatArray | None = self._unfolding.target(inputs.tick, self._position, self._board, around)
+        else:
+            target = self._travel.target(self._position, self._board, around)
+        return AT_REST if target is None else toward(target - self._position, self._config.motion, self._period)
+
+    def _stray(self) -> FloatArray:
+        self._mode, self._place, self._travel, self._unfolding = CoverageMode.WAITING, None, None, None
+        return AT_REST
+
+    def _holding(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
+        """Hold the place, offer others next to it, and notice who is gone."""
+        assert self._place is not None
+        assert self._position is not None
+        place = self._board.get(self._place)
+        if place is None or place.holder != self.id:  # taken for dead: it is not
+            version = place.version + 1 if place is not None else 0
+            self._hold(self._place, version, inputs.tick)
+        for lost in self._absence.gone(self._position, self._board, around):
+            # The root of all ways is filled again under any rule: whoever holds it takes the leader's place.
+            refill = self._config.rule is Rule.LAYOUT or lost.key == self._root
+            self._telling.say(self._board.freed(lost, State.OPEN if refill else State.WITHDRAWN), inputs.tick)
+        if self._offers is not None and self._board.revision != self._offered_at:
+            self._telling.tell(self._offers.refresh(self._board), inputs.tick)
+            self._offered_at = self._board.revision
+        return AT_REST if place is None else self._station(inputs, around, place)
+
+    def _hold(self, key: Key, version: int, tick: int) -> None:
+        """Announce the own place (EnableSensor)."""
+        assert self._position is not None
+        assert self._solid is not None
+        place = Place(key, version, State.HELD, self.id, on_air(self._position))
+        self._place, self._unfolding = key, None
+        self._telling.say(place, tick)
+        if self._config.rule is not Rule.LAYOUT:
+            self._offers = Offers(self.id, place, self._solid, self._config, self._seed, self._barriers)
+
+    def _station(self, inputs: CoverageInputs, around: Surroundings, place: Place) -> FloatArray:
+        """Return the velocity back to the own place, if it has been left: station keeping [I4, I12].
+
+        All robots that hold places and are linked to it say where it is; the leader knows.
+        """
+        here: FloatArray | None
+        if inputs.position is not None:
+            here = inputs.position - self._flock.shift(inputs.tick)
+        else:
+            here = located_by_all(around, self._board.held, self._config.range_m)
+        motion = self._config.motion
+        offset = None if here is None else np.array(place.position) - here
+        return toward(offset, motion, self._period, max(motion.arrival_m, motion.station_m))
+
+    @property
+    def _arrival(self) -> float:
+        motion = self._config.motion
+        return max(motion.arrival_m, motion.arrival_sigmas * motion.sigma_m)
+
+    def _report(self) -> CoverageReport:
+        place = self._board.get(self._place) if self._place is not None else None
+        settled = self._mode is CoverageMode.HOLDING or self._mode is CoverageMode.WAITING
+        left = self._board.count(State.OPEN) + self._board.count(State.TAKEN)
+        return CoverageReport(
+            mode=self._mode,
+            position=self._position,
+            target=None if place is None else np.array(place.position),
+            hops=-1 if self._rendezvous.hops == INFINITE else self._rendezvous.hops,
+            searches=self._rendezvous.searches,
+            places=len(self._board),
+            is_done=self._solid is not None and settled and not left,
+            is_leading=self._is_leading,
+        )
+
+
+@lru_cache(maxsize=16)
+def _solid(shape: bytes) -> Solid | None:
+    """Return the solid that a mission describes, None if it describes none."""
+    try:
+        return solid_from(unpacked_description(shape))
+    except (FrameError, ShapeError):
+        return None

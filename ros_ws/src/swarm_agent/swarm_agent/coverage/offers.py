@@ -1,0 +1,154 @@
+"""Offers: a robot that holds its place names places next to it where its frontier asks for a robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from swarm_agent.coverage.board import Board
+from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
+from swarm_agent.coverage.frames import NOBODY, Place, State, on_air
+from swarm_agent.coverage.frontier import Frontier
+from swarm_agent.coverage.rules import REACH, Site, choose
+from swarm_agent.coverage.sense_sphere import TOUCHING, directions_of
+from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
+from swarm_msgs_py.geometry.solids.solid import Solid
+from swarm_msgs_py.randomness import rng_for
+from swarm_msgs_py.types import FloatArray, NodeId
+
+
+class Offers:
+    """The frontier of one robot, and the places that it has offered for it.
+
+    A place that is taken, or offered by anybody, counts as if it were held (a *reservation*), so that no two robots
+    set out for one hole. If reservations cross on the air, the later name withdraws.
+
+    Parameters
+    ----------
+    me : NodeId
+    place : Place
+        That it holds.
+    solid : Solid
+    config : CoverageConfig
+    seed : int
+    barriers : Barriers, optional
+        Obstacles that places and links keep clear of.
+    """
+
+    def __init__(  # noqa: PLR0913, PLR0917 - what a frontier follows from
+        self,
+        me: NodeId,
+        place: Place,
+        solid: Solid,
+        config: CoverageConfig,
+        seed: int,
+        barriers: Barriers = OPEN_SPACE,
+    ) -> None:
+        self._barriers = barriers
+        self._me = me
+        self._position = np.array(place.position)
+        self._solid = solid
+        self._config = config
+        self._directions = directions_of(config)
+        self._rng = rng_for(seed, "coverage", "offers", me)
+        self._targets: dict[int, FloatArray] = {}
+        self._next = 1
+        self._held: frozenset[NodeId] = frozenset()
+        self.frontier = self._fresh(Board(0.0))
+
+    def refresh(self, board: Board) -> list[Place]:
+        """Bring the frontier up to date with the board; return what to say: places withdrawn and newly offered."""
+        self._update(board)
+        said = self._withdrawals(board)
+        for place in said:
+            board.merge(place)
+        limit = 1 if self._config.expansion is Expansion.SERIAL else self._config.protocol.offers_max
+        reserved = board.places(State.OPEN, State.TAKEN)
+        own_open = sum(place.key[0] == self._me and place.state is State.OPEN for place in reserved)
+        points = self._uncovered(self._in_sight(self.frontier.points), reserved)
+        while len(points) and own_open < limit:
+            choice = choose(self._config, self._site(board, points, reserved), self._rng)
+            place = self._offer(points[choice.row], choice.place, board)
+            reserved.append(place)
+            said.append(place)
+            own_open += 1
+            points = self._uncovered(points, [place])
+        return said
+
+    def _update(self, board: Board) -> None:
+        """Delete what newcomers cover; if somebody is gone, look at all samples anew."""
+        now = frozenset(board.held)
+        if self._held - now:
+            self.frontier = self._fresh(board)
+        else:
+            for robot in sorted(now - self._held - {self._me}):
+                self.frontier.delete_within(np.array(board.held[robot].position) - self._position)
+        self._held = now
+
+    def _fresh(self, board: Board) -> Frontier:
+        radius = self._config.range_m
+        return Frontier.around(
+            self._position, self._directions, radius, self._solid, self._offsets(board, 2.0 * radius, self._position)
+        )
+
+    def _offsets(self, board: Board, reach: float, center: FloatArray) -> FloatArray:
+        """Return the places held by others within `reach` of `center`, relative to it, (m, 3)."""
+        others = [p.position for robot, p in sorted(board.held.items()) if robot != self._me]
+        offsets = np.array(others).reshape(-1, 3) - center
+        near: FloatArray = offsets[np.linalg.norm(offsets, axis=1) < reach]
+        return near
+
+    def _around(self, board: Board, own: FloatArray) -> FloatArray:
+        """Return the frontier points of robots within 3 r_sc, relative to this one; they follow from the board."""
+        radius = self._config.range_m
+        points = [own]
+        for offset in self._offsets(board, REACH * radius, self._position):
+            center = self._position + offset
+            close = np.concatenate([self._offsets(board, 2.0 * radius, center), [-offset]])
+            close = close[np.linalg.norm(close, axis=1) > 0.0]
+            points.append(offset + Frontier.around(center, self._directions, radius, self._solid, close).points)
+        return np.concatenate(points)
+
+    def _in_sight(self, points: FloatArray) -> FloatArray:
+        """Return those of some frontier points for which a robot could stand in sight of this one."""
+        if not self._barriers:
+            return points
+        places = self._position + self._config.placement * points
+        return points[~self._barriers.cut(np.broadcast_to(self._position, places.shape), places)]
+
+    def _uncovered(self, points: FloatArray, places: list[Place]) -> FloatArray:
+        """Return those of some frontier points that a robot at each of the places would leave uncovered."""
+        for place in places:
+            away = points - (np.array(place.position) - self._position)
+            points = points[np.linalg.norm(away, axis=1) > self._config.range_m * (1.0 + TOUCHING)]
+        return points
+
+    def _site(self, board: Board, points: FloatArray, reserved: list[Place]) -> Site:
+        """Return what is known around; places that are reserved count as if robots held them."""
+        around = points if self._config.rule is Rule.RANDOM else self._around(board, points)
+        others = np.concatenate([np.zeros((1, 3)), self._offsets(board, REACH * self._config.range_m, self._position)])
+        if reserved:
+            places = np.array([place.position for place in reserved]) - self._position
+            others = np.concatenate([others, places])
+        return Site(points, around, others, self._position, self._solid)
+
+    def _offer(self, target: FloatArray, offset: FloatArray, board: Board) -> Place:
+        position = on_air(self._position + offset)
+        place = Place((self._me, self._next), 0, State.OPEN, NOBODY, position)
+        self._targets[self._next] = target
+        self._next += 1
+        board.merge(place)
+        return place
+
+    def _withdrawals(self, board: Board) -> list[Place]:
+        """Return own offers that others have made needless."""
+        needless = []
+        # Targets are on the edge of the own coverage, which must not count.
+        rivals = [p for p in board.places(State.OPEN, State.TAKEN, State.HELD) if p.holder != self._me]
+        for number, target in sorted(self._targets.items()):
+            place = board.get((self._me, number))
+            if place is None or place.state is not State.OPEN:
+                continue
+            others = [p for p in rivals if p.key != place.key and (p.state is not State.OPEN or p.key < place.key)]
+            if not len(self._uncovered(target[None], others)):
+                needless.append(Place(place.key, place.version, State.WITHDRAWN, NOBODY, place.position))
+        return needless

@@ -1,0 +1,55 @@
+"""Where a robot is, by those that it senses (Algorithm 2, step 2), and how it drives somewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from swarm_agent.coverage.config import MotionConfig
+from swarm_agent.coverage.frames import Place
+from swarm_agent.coverage.surroundings import Surroundings
+from swarm_msgs_py.types import FloatArray, NodeId
+
+
+def nearest_holder(around: Surroundings, held: Mapping[NodeId, Place]) -> tuple[NodeId, FloatArray] | None:
+    """Return the nearest robot sensed that holds a place, and the offset to it (3,) [m]; None if there is none."""
+    near = [(around.distances[row], robot, row) for robot in held if (row := around.robots.get(robot)) is not None]
+    if not near:
+        return None
+    _, robot, row = min(near)
+    return robot, around.offsets[row]
+
+
+def located(around: Surroundings, held: Mapping[NodeId, Place]) -> FloatArray | None:
+    """Return the own position (3,) [m]: that of the nearest holder, less the offset to it; None without one."""
+    nearest = nearest_holder(around, held)
+    if nearest is None:
+        return None
+    robot, offset = nearest
+    position: FloatArray = np.array(held[robot].position) - offset
+    return position
+
+
+def located_by_all(around: Surroundings, held: Mapping[NodeId, Place], link: float) -> FloatArray | None:
+    """Return the own position (3,) [m] as the mean of what all linked holders say of it; None without one."""
+    rows = [(robot, row) for robot in held if (row := around.robots.get(robot)) is not None]
+    guesses = [
+        np.array(held[robot].position) - around.offsets[row] for robot, row in rows if around.distances[row] < link
+    ]
+    mean: FloatArray | None = np.mean(guesses, axis=0) if guesses else None
+    return mean
+
+
+def toward(offset: FloatArray | None, motion: MotionConfig, period: float, near: float = 0.0) -> FloatArray:
+    """Return the velocity that gets to `offset` (3,) [m] as fast as may be without overshoot (eq. (8) with [I5]).
+
+    It is zero if there is nowhere to go, or for what is no farther than `near` [m].
+    """
+    if offset is None:
+        return np.zeros(3)
+    distance = float(np.sqrt(offset @ offset))
+    if distance <= near:
+        return np.zeros(3)
+    velocity: FloatArray = offset * (min(motion.speed_mps, distance / period) / distance)
+    return velocity

@@ -1,0 +1,1 @@
+"""Point robots in space: the world of the coverage family."""

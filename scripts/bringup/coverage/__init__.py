@@ -1,0 +1,1 @@
+"""The coverage family behind the seam of `bringup.family`."""
