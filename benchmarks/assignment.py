@@ -22,7 +22,7 @@ from bringup.resolution import contour_of, resolve
 from bringup.scenario import Scenario
 from bringup.scenario_file import Override, load_scenario
 from swarm_agent.decision.assignment import assign
-from swarm_agent.decision.path_costs import CM_PER_M, PathCosts
+from swarm_agent.decision.path_costs import STEP_M, PathCosts
 from swarm_msgs_py.messages.bodies import CostRow, Objective, Plan
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import NodeId
@@ -102,12 +102,12 @@ def _rows(scenario: Scenario, plan: Plan) -> tuple[CostRow, ...]:
 
 
 def _lengths(rows: Sequence[CostRow], taken: dict[NodeId, int]) -> np.ndarray:
-    return np.array([row.costs[taken[row.robot]] for row in rows]) / CM_PER_M
+    return np.array([row.costs[taken[row.robot]] for row in rows]) * STEP_M
 
 
 def _needs(rows: Sequence[CostRow], longest_m: float) -> bool:
     """Return whether no assignment of these robots does without a path of that length (another way to find it)."""
-    is_long = np.array([row.costs for row in rows]) >= round(longest_m * CM_PER_M)
+    is_long = np.array([row.costs for row in rows]) >= round(longest_m / STEP_M)
     return bool(is_long[linear_sum_assignment(is_long)].any())
 
 

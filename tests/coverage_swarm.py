@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from studies.coverage_mission import CoverageMission
-from swarm_agent.coverage.config import CoverageConfig, Expansion, LayoutConfig, MotionConfig, Rule
-from swarm_msgs_py.types import FloatArray
+from swarm_agent.coverage.config import CoverageConfig, Expansion, LayoutConfig, MotionConfig, ProtocolConfig, Rule
 from swarm_sim.points.config import PointSimConfig
 
 BEAM: dict[str, Any] = {"kind": "box", "size_m": [160.0, 50.0, 50.0]}
@@ -21,18 +20,19 @@ def mission(
     robots: int = 24,
     sigma_m: float = 1.0,
     seed: int = 0,
-    newcomers: FloatArray | None = None,
-    appear_at: int = 0,
+    world: PointSimConfig | None = None,
+    gather_limit_s: float = 300.0,
+    **options: Any,
 ) -> CoverageMission:
-    """Return a mission of robots that link and cover at 50 m."""
+    """Return a mission of robots that link and cover at 50 m; options are those of `CoverageMission`."""
     agents = CoverageConfig(
         rule=rule,
         expansion=expansion,
         placement=0.95 if sigma_m == 0.0 else 0.9,
         sample_count=150,
         motion=MotionConfig(sigma_m=sigma_m),
+        protocol=ProtocolConfig(gather_limit_s=gather_limit_s),
         layout=CHEAP,
     )
-    return CoverageMission(
-        shape, agents, PointSimConfig(process_sigma_m=sigma_m), robots, seed, newcomers=newcomers, appear_at=appear_at
-    )
+    world = world or PointSimConfig(process_sigma_m=sigma_m)
+    return CoverageMission(shape, agents, world, robots, seed, **options)

@@ -24,7 +24,9 @@ from source_tree import (
 )
 
 PYBULLET_HOME = "swarm_sim.bullet"
-PYBULLET_USERS = {"swarm_sim.world.pybullet_world", "swarm_sim.camera.bullet_painter"}
+PYBULLET_USERS = {
+    *("swarm_sim.world.pybullet_world", "swarm_sim.world.pybullet_boats", "swarm_sim.camera.bullet_painter")
+}
 RANDOMNESS_HOME = "swarm_msgs_py.randomness"  # where named random streams are derived
 CLOCKS = ("time", "datetime")  # simulated time arrives as an argument
 GENERATORS = {"Generator", "SeedSequence", "PCG64", "BitGenerator"}
@@ -76,7 +78,7 @@ def test_the_core_of_a_package_does_not_import_its_ros_adapters(package: str) ->
     )
 
 
-def test_pybullet_is_used_only_by_its_world_and_by_its_camera() -> None:
+def test_pybullet_is_used_only_by_worlds_and_by_the_camera() -> None:
     everywhere = [*package_modules().values(), *script_modules().values()]
     assert_none(
         f"{module.place} imports pybullet"

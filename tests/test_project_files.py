@@ -19,8 +19,8 @@ from batches import arguments as batch_arguments
 from batches.cells import cells
 from bringup import arguments
 from bringup.scenario import Scenario
-from bringup.scenario_file import load_scenario, parse_assignment
-from studies import lps_arguments
+from bringup.scenario_file import load_any, load_scenario, parse_assignment
+from studies import coverage_experiments, lps_arguments
 from swarm_msgs_py.config import full_key
 from swarm_msgs_py.errors import ConfigError
 
@@ -31,6 +31,7 @@ ROSDEP_KEYS = {
     "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",
     "numpy": "python3-numpy",
+    "ortools": "python3-ortools-pip",
     "pybullet": "python3-pybullet-pip",
     "scipy": "python3-scipy",
     "shapely": "python3-shapely",
@@ -224,6 +225,8 @@ def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None
         take_launch([word for word in words if word not in {"--help", "key=value"}])
     elif script == "scripts/lps_study.py":
         lps_arguments.parse_arguments(words)
+    elif script == "scripts/coverage_study.py":
+        coverage_experiments.parsed(words)
     elif script == "scripts/monte_carlo.py":
         cells(batch_arguments.parse_arguments(words).design)
     elif "ArgumentParser" not in (ROOT / script).read_text("utf-8"):
@@ -243,7 +246,7 @@ def take_launch(words: Sequence[str]) -> None:
         assert full_key(Scenario, key[:-1], "--set")
     if not keys:
         given = arguments.parse_arguments(words)
-        load_scenario(given.scenario, given.overrides)
+        load_any(given.scenario, given.overrides)
 
 
 class ParsedError(Exception):

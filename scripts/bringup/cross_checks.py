@@ -20,20 +20,23 @@ from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, NodeId, robot_name
 from swarm_sim.scene import Scene
 
-LONGEST_PATH_M = (UNREACHABLE - 1) / 100.0  # robots tell each other costs as whole centimeters in 16 bits
+
+def _longest_path_m(scenario: Scenario) -> float:
+    """Return the longest path that robots can tell each other [m]: whole steps in 16 bits."""
+    return (UNREACHABLE - 1) * scenario.agent.decision.cost_step_m
 
 
-def check_size(bounds: tuple[float, float, float, float]) -> None:
+def check_size(scenario: Scenario, bounds: tuple[float, float, float, float]) -> None:
     """Refuse an arena in which a straight path can be longer than robots can tell.
 
     Raises
     ------
     ConfigError
     """
-    diagonal = math.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1])
-    if diagonal > LONGEST_PATH_M:
+    diagonal, longest_m = math.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]), _longest_path_m(scenario)
+    if diagonal > longest_m:
         raise ConfigError(
-            f"the arena measures {diagonal:.0f} m across, robots can tell path lengths up to {LONGEST_PATH_M:.0f} m; "
+            f"the arena measures {diagonal:.0f} m across, robots can tell path lengths up to {longest_m:.0f} m; "
             "make it smaller"
         )
 
@@ -166,9 +169,10 @@ def check_reach(scenario: Scenario, scene: Scene, plan: Plan) -> None:
             f"no path leads from {names} to the shape; "
             "move the obstacles apart, or start elsewhere (another seed, start.half_side_m, start.positions_m)"
         )
-    if longest > LONGEST_PATH_M:
+    longest_m = _longest_path_m(scenario)
+    if longest > longest_m:
         raise ConfigError(
-            f"a path from start to goal is {longest:.0f} m long, robots can tell lengths up to {LONGEST_PATH_M:.0f} m; "
+            f"a path from start to goal is {longest:.0f} m long, robots can tell lengths up to {longest_m:.0f} m; "
             "open a shorter way between the obstacles, or start nearer"
         )
 

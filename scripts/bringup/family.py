@@ -25,6 +25,7 @@ class Family(Enum):
 
     FORMATION = "formation"
     COVERAGE = "coverage"
+    ASSEMBLY = "assembly"
 
 
 class AnyScenario(Protocol):

@@ -52,7 +52,7 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     with blamed(origin, "map"):
         scenario = replace(scenario, map=_resolved_map(scenario.map))
         assert scenario.map.bounds_m is not None  # just resolved
-        check_size(scenario.map.bounds_m)
+        check_size(scenario, scenario.map.bounds_m)
     with blamed(origin, "events"):
         check_events(scenario)
     with blamed(origin, "sim.camera"):

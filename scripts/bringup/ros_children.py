@@ -30,6 +30,7 @@ from swarm_agent.ros.agent_node import AgentNode
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config
 from swarm_msgs_py.plan_goals import forget_goals
+from swarm_msgs_py.ros.assembly_dialect import ASSEMBLY
 from swarm_msgs_py.ros.coverage_dialect import COVERAGE
 from swarm_msgs_py.ros.dialect import Dialect
 from swarm_msgs_py.ros.formation_dialect import FORMATION
@@ -47,7 +48,11 @@ ALIVE_INTERVAL_S = 1.0
 LOG_LEVEL = logging.WARNING  # the operator reads the alerts; what goes well is not worth a line from fifty nodes
 """From which level on the cores' log goes to ROS."""
 
-DIALECTS: Mapping[str, Dialect[Any, Any, Any]] = {Family.FORMATION.value: FORMATION, Family.COVERAGE.value: COVERAGE}
+DIALECTS: Mapping[str, Dialect[Any, Any, Any]] = {
+    Family.FORMATION.value: FORMATION,
+    Family.COVERAGE.value: COVERAGE,
+    Family.ASSEMBLY.value: ASSEMBLY,
+}
 """How the steps of each family travel."""
 
 logger = logging.getLogger(__name__)

@@ -10,6 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from bringup.assembly.scenario import AssemblyScenario
 from bringup.coverage.scenario import CoverageScenario
 from bringup.scenario import RobotGroup, Scenario
 from bringup.scenario_file import SCENARIOS
@@ -17,6 +18,7 @@ from swarm_msgs_py.config import Config, Setting, settings_of
 
 SCHEMA_FILE: Path = SCENARIOS / "scenario.schema.json"
 COVERAGE_SCHEMA_FILE: Path = SCENARIOS / "coverage" / "coverage.schema.json"
+ASSEMBLY_SCHEMA_FILE: Path = SCENARIOS / "assembly" / "assembly.schema.json"
 SCALARS: dict[type, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 REQUIRED_OF_A_GROUP = ["type", "count"]  # types 1 to 3 take the rest from table 4.1
 
@@ -74,3 +76,4 @@ def _value(hint: Any, about: Setting) -> dict[str, Any]:  # noqa: PLR0911 - a ca
 if __name__ == "__main__":
     SCHEMA_FILE.write_text(scenario_schema(), encoding="utf-8")
     COVERAGE_SCHEMA_FILE.write_text(scenario_schema(CoverageScenario), encoding="utf-8")
+    ASSEMBLY_SCHEMA_FILE.write_text(scenario_schema(AssemblyScenario), encoding="utf-8")

@@ -61,7 +61,7 @@ def test_frontiers_that_only_hear_of_close_robots_equal_the_store(seed: int) -> 
         assert frontier.size == len(frontier.points)
 
 
-@given(seeds, st.sampled_from([Rule.RANDOM, Rule.FIRST, Rule.GAIN]), st.sampled_from(Samples))
+@given(seeds, st.sampled_from([Rule.RANDOM, Rule.FIRST]), st.sampled_from(Samples))
 @settings(max_examples=12)
 def test_exact_placement_on_the_frontier_is_a_packing(seed: int, rule: Rule, samples: Samples) -> None:
     config = CoverageConfig(rule=rule, samples=samples, placement=1.0)

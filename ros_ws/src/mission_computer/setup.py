@@ -12,13 +12,13 @@ setup(
     maintainer="Swarm founders",
     maintainer_email="founders@swarm.invalid",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "shape/**/*.json"]},
+    package_data={NAME: ["py.typed", "shape/**/*.json", "assembly/maps/*.json"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
     python_requires=">=3.11",
-    install_requires=["numpy", "opencv-python-headless", "scipy", "shapely", "swarm_msgs_py"],
+    install_requires=["numpy", "opencv-python-headless", "ortools", "scipy", "shapely", "swarm_msgs_py"],
     entry_points={"console_scripts": ["mission_node = mission_computer.ros.mission_node:main"]},
     zip_safe=False,
 )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import arena
 import assignment
 import bench_agent
 import bench_forces
 import bench_mesh
 import bench_vision
 import bench_world
+import camera_arena
 import force_formations
 import formation
 import mesh_delivery
@@ -25,8 +25,8 @@ from source_tree import ROOT
 PARTS = {"drawing", "result_file", "robustness_report", "robustness_watch", "tables"}
 """What is no benchmark by itself."""
 RUN_HERE = (
-    *(arena, assignment, bench_agent, bench_forces, bench_mesh, bench_vision, bench_world, force_formations, formation),
-    *(mesh_delivery, moving_shapes, partition_quality, robustness, thesis_comparison),
+    *(assignment, bench_agent, bench_forces, bench_mesh, bench_vision, bench_world, camera_arena),
+    *(force_formations, formation, mesh_delivery, moving_shapes, partition_quality, robustness, thesis_comparison),
 )
 
 
@@ -35,11 +35,11 @@ def test_the_arena_is_run_as_a_user_would(capsys: pytest.CaptureFixture[str], tm
     settings = ("sim.physics.backend=massdamper", "duration_s=2", "stages=[{shape: {name: hw_2_square}, at_s: 1.0}]")
     words += [word for setting in (*settings, "success.hold_s=0.5") for word in ("--set", setting)]
 
-    assert arena.main(words) == 1  # nobody is so fast
+    assert camera_arena.main(words) == 1  # nobody is so fast
     out = capsys.readouterr().out
     assert "| hw_2_square | 0 of 1 |" in out
     assert "| runs achieved, collisions | 0 of 1, 0 |" in out
-    assert arena.main(words) == 1
+    assert camera_arena.main(words) == 1
     assert capsys.readouterr().out == out  # from the file
 
 

@@ -6,10 +6,11 @@ from typing import Any
 import pytest
 import yaml
 
+from bringup.assembly.scenario import AssemblyScenario
 from bringup.coverage.scenario import CoverageScenario
 from bringup.family import Family
 from bringup.scenario_file import SCENARIOS, load_any, scenario_names
-from bringup.schema import COVERAGE_SCHEMA_FILE, SCHEMA_FILE, scenario_schema
+from bringup.schema import ASSEMBLY_SCHEMA_FILE, COVERAGE_SCHEMA_FILE, SCHEMA_FILE, scenario_schema
 from swarm_msgs_py.config import dump_config
 
 SCHEMA = json.loads(scenario_schema())
@@ -48,11 +49,13 @@ def complaints(value: Any, schema: dict[str, Any], place: str = "") -> list[str]
 def test_the_published_schema_is_the_one_of_the_code() -> None:
     assert SCHEMA_FILE.read_text() == scenario_schema(), "run `python -m bringup.schema` in scripts/"
     assert COVERAGE_SCHEMA_FILE.read_text() == scenario_schema(CoverageScenario), "the same"
+    assert ASSEMBLY_SCHEMA_FILE.read_text() == scenario_schema(AssemblyScenario), "the same"
 
 
 SCHEMAS = {
     Family.FORMATION: (SCENARIOS, SCHEMA),
     Family.COVERAGE: (SCENARIOS / "coverage", json.loads(scenario_schema(CoverageScenario))),
+    Family.ASSEMBLY: (SCENARIOS / "assembly", json.loads(scenario_schema(AssemblyScenario))),
 }
 
 

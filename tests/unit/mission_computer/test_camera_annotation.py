@@ -8,6 +8,7 @@ from table_top import AWAY, MARKERS, RED, STARTS, YAWS, camera, localizer, moved
 
 from mission_computer.vision.annotation import FOUND, annotate
 from swarm_msgs_py.markers import MarkerColor
+from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.camera_report import CameraStatus
 from swarm_sim.camera.raster import Spot
 
@@ -50,3 +51,18 @@ def test_without_a_calibration_only_text_is_drawn() -> None:
     changed = (drawn != image.pixels).any(axis=2)
     assert changed[:34].any()
     assert not changed[34:].any()
+
+
+def test_shape_and_goals_of_a_plan_are_drawn_at_the_height_of_the_covers() -> None:
+    image = picture(number=2)
+    report = EYES.locate(image, camera().info)
+    plan = Plan(1, 0.4 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]), (), np.array([(0.2, 0.1)]), np.array([1]))
+
+    drawn = annotate(image.pixels, report, EYES.calibration, MARKERS, plan)
+
+    plain = annotate(image.pixels, report, EYES.calibration, MARKERS)
+    changed = (drawn != plain).any(axis=2)
+    for x, y in ((0.0, 0.4), (-0.4, 0.2), (0.215, 0.1)):
+        column, row = camera().optics.project(np.array([[x, y, MARKERS[0].height]]))[0].round().astype(int)
+        assert changed[row - 1 : row + 2, column - 1 : column + 2].any()
+    assert 0 < changed.sum() < 3000

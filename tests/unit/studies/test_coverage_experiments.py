@@ -29,3 +29,11 @@ def test_robots_keep_more_distance_to_the_range_where_there_is_noise() -> None:
     exact, noisy = (settings_of("box", Rule.GAIN, Expansion.SERIAL, sigma)[0].placement for sigma in (0.0, 1.0))
 
     assert (exact, noisy) == (0.95, 0.9)
+
+
+def test_growth_is_told_by_radius_and_method(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--growth", "60", "--missions", "60"]) == 0
+
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    assert [row[1] for row in rows] == ["frontier", "layout", "mission"]
+    assert all(float(row[3]) > 0.999 for row in rows)

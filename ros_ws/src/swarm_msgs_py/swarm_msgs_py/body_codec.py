@@ -1,7 +1,7 @@
 """Application records of `messages.bodies` as the bytes that a packet carries.
 
 A body is one kind byte and the record's fields, little-endian and without padding: the place of a robot as ``float32``
-[m], costs as unsigned 16 bit [cm], camera fixes in 18 bytes each; for plans see `plan_codec`. Decoding is memoised on
+[m], costs as unsigned 16 bit, camera fixes in 18 bytes each; for plans see `plan_codec`. Decoding is memoised on
 the bytes: the fifty receivers of one body in a process share one record, whose arrays are read-only. Whoever *sends* a
 body and must compute with exactly the numbers that its receivers see decodes its own bytes. No body is longer than
 `BODY_MAX`, so each fits one packet.

@@ -21,3 +21,11 @@ class FrameError(SwarmError):
 
 class PhysicsError(SwarmError):
     """The physics back end is missing or refused a scene."""
+
+
+class AssemblyError(SwarmError):
+    """An assembly problem cannot be used: a wrong file, unconnected targets, too few boats, starts that touch."""
+
+
+class NoDispatchError(AssemblyError):
+    """No dispatch joins these boats to the wanted structure; the text says why, or how near the search came."""

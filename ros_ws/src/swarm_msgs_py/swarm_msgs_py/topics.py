@@ -49,6 +49,7 @@ class Parts(IntFlag):
     PROXIMITY = 8
     IMAGE = 16
     NEIGHBORS = 32
+    BOAT = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +102,7 @@ FIX = Channel("/{node}/fix", "geometry_msgs/msg/PoseWithCovarianceStamped", Part
 RANGES = Channel("/{node}/ranges", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 PROXIMITY = Channel("/{node}/proximity", "geometry_msgs/msg/PoseArray", Party.WORLD, Party.AGENT, _EVERY)
 NEIGHBORS = Channel("/{node}/neighbors", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
+BOAT = Channel("/{node}/boat", "std_msgs/msg/Float64MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 RADIO_RX = Channel("/{node}/radio/rx", "std_msgs/msg/UInt8MultiArray", Party.WORLD, Party.AGENT, _EVERY)
 RADIO_TX = Channel("/{node}/radio/tx", "std_msgs/msg/UInt8MultiArray", Party.AGENT, Party.WORLD, _EVERY)
 CMD_VEL = Channel("/{node}/cmd_vel", "geometry_msgs/msg/TwistStamped", Party.AGENT, Party.WORLD, _EVERY)
@@ -127,6 +129,9 @@ ROBOT_SENSORS = (IMU, FIX, RANGES, PROXIMITY, RADIO_RX)
 
 POINT_SENSORS = (FIX, NEIGHBORS, RADIO_RX)
 """What the world sends to each robot of the coverage family."""
+
+BOAT_SENSORS = (BOAT, RADIO_RX)
+"""What the world sends to each robot of the assembly family."""
 
 ROBOT_ANSWERS = (CMD_VEL, RADIO_TX)
 """What each robot sends to the world."""

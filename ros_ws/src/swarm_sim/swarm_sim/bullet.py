@@ -7,6 +7,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from swarm_msgs_py.errors import PhysicsError
+
 
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
@@ -25,4 +27,18 @@ def quiet_stderr() -> Iterator[None]:
 with quiet_stderr():  # PyBullet announces its build time when it is imported
     import pybullet
 
-__all__ = ["pybullet", "quiet_stderr"]
+__all__ = ["open_server", "pybullet", "quiet_stderr"]
+
+
+def open_server() -> int:
+    """Return the number of a new physics server.
+
+    Raises
+    ------
+    PhysicsError
+        If it does not start.
+    """
+    client: int = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise PhysicsError("PyBullet could not start a physics server; close other simulations and try again")
+    return client

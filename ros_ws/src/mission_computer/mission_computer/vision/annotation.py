@@ -33,7 +33,8 @@ def annotate(
 ) -> ImageArray:
     """Return a copy of an image with outlines and headings of the robots found, strays, and what was refused.
 
-    Where there is a plan, its shape and goals are drawn as they are in the end, on the floor.
+    Where there is a plan, its shape and goals are drawn as they are in the end, as high as the covers: so a robot that
+    is at its goal is seen there.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def annotate(
     marker_of: dict[NodeId, CoverMarker] = {marker.robot: marker for marker in markers}
     if calibration is not None:
         if plan is not None:
-            _draw_plan(canvas, plan, calibration)
+            _draw_plan(canvas, plan, calibration, max((marker.height for marker in markers), default=0.0))
         height_of = {marker.color: marker.height for marker in markers}
         for fix in report.fixes:
             _draw_fix(canvas, fix, marker_of[fix.robot], calibration)
@@ -67,15 +68,15 @@ def annotate(
     return canvas
 
 
-def _draw_plan(canvas: ImageArray, plan: Plan, calibration: Calibration) -> None:
-    _outline(canvas, _on_floor(plan.contour), calibration, PLAN)
-    for goal in _on_floor(plan.goals):
+def _draw_plan(canvas: ImageArray, plan: Plan, calibration: Calibration, height: float) -> None:
+    _outline(canvas, _raised(plan.contour, height), calibration, PLAN)
+    for goal in _raised(plan.goals, height):
         _outline(canvas, _circle(goal, GOAL_M), calibration, PLAN)
 
 
-def _on_floor(points: FloatArray) -> FloatArray:
-    """Return points (n, 2) of the map as (n, 3) points of the world [m]."""
-    return np.column_stack([points, np.zeros(len(points))])
+def _raised(points: FloatArray, height: float) -> FloatArray:
+    """Return points (n, 2) of the map as (n, 3) points of the world at a height [m]."""
+    return np.column_stack([points, np.full(len(points), height)])
 
 
 def _draw_fix(canvas: ImageArray, fix: RobotFix, marker: CoverMarker, calibration: Calibration) -> None:

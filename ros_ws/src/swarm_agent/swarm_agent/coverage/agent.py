@@ -19,7 +19,7 @@ from swarm_agent.coverage.surroundings import Surroundings
 from swarm_agent.coverage.telling import Telling
 from swarm_agent.coverage.travel import Travel
 from swarm_agent.coverage.unfolding import Unfolding, may_unfold
-from swarm_agent.coverage.whereabouts import located, located_by_all, nearest_holder, toward
+from swarm_agent.coverage.whereabouts import located, nearest_holder, toward, upstream
 from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
 from swarm_msgs_py.coverage_orders import CoverageOrder, decode_order, is_order
 from swarm_msgs_py.errors import FrameError, ShapeError
@@ -116,8 +116,8 @@ class CoverageAgent:
             self._modes[frame.sender] = frame.mode
             if frame.mission is not None and frame.mission.term > self._mission.term:
                 self._adopt(frame.mission)
-            # Robots without a place are leaves of the backbone: nobody needs them to pass news on, or to answer; but who
-            # is still to gather may be new here, and asks by telling that it knows nothing.
+            # Robots without a place are leaves of the backbone: nobody needs them to pass news on, or to answer.
+            # But who is to gather may be new here; it asks by telling that it knows nothing.
             is_holding = self._mode is CoverageMode.HOLDING
             answers = is_holding or self._mode is CoverageMode.GATHERING
             self._telling.hear(tick, frame, passes_on=is_holding, answers=answers)
@@ -216,16 +216,17 @@ class CoverageAgent:
 
     def _waiting(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
         """Take a place, or stay with the leader."""
-        if self._solid is None:
-            return toward(around.offset(self._rendezvous.met), self._config.motion, self._period, self._arrival)
-        place = self._choice(inputs)
+        place = self._choice(inputs) if self._solid is not None else None
         nearest = nearest_holder(around, self._board.held) if place is not None else None
         if place is None or nearest is None:
-            return AT_REST
+            root = self._board.get(self._root)
+            leader = self._rendezvous.met if root is None else root.holder
+            return toward(around.offset(leader), self._config.motion, self._period, self._arrival)
         self._telling.say(Place(place.key, place.version, State.TAKEN, self.id, place.position), inputs.tick)
         self._place = place.key
         self._travel = Travel(place, self._board.held[nearest[0]].key, self._config)
-        if self._predicts and not self._barriers and may_unfold(self._board, self._root, self.id):
+        away = around.distance(nearest[0])
+        if self._predicts and not self._barriers and may_unfold(self._board, self._root, away, self._config):
             self._unfolding = Unfolding(self._root, place.key, self._board, self._config, inputs.tick, self._period)
         self._limit = self._config.protocol.travel_limit * (
             self._travel.expected_ticks(self._board, self._period) + self._config.protocol.heartbeat_ticks
@@ -318,16 +319,27 @@ class CoverageAgent:
     def _station(self, inputs: CoverageInputs, around: Surroundings, place: Place) -> FloatArray:
         """Return the velocity back to the own place, if it has been left: station keeping [I4, I12].
 
-        All robots that hold places and are linked to it say where it is; the leader knows.
+        The leader knows where it is; the others keep to the next robot toward it, so that what each link is off comes
+        from one step of two robots. A formation that moves is a little smaller: noise shakes all of it.
         """
-        here: FloatArray | None
+        root = self._board.get(self._root)
+        if root is None:
+            return AT_REST
+        center, size = np.array(root.position), self._flock.contraction(inputs.tick, self._config)
+        target = center + size * (np.array(place.position) - center)
         if inputs.position is not None:
-            here = inputs.position - self._flock.shift(inputs.tick)
+            offset = target - (inputs.position - self._flock.shift(inputs.tick))
         else:
-            here = located_by_all(around, self._board.held, self._config.range_m)
-        motion = self._config.motion
-        offset = None if here is None else np.array(place.position) - here
-        return toward(offset, motion, self._period, max(motion.arrival_m, motion.station_m))
+            hops = self._board.hops_from(self._root, over_taken=False)
+            before = upstream(around, self._board.held, hops, place.key, self._config.range_m)
+            if before is None:
+                return AT_REST
+            anchor = center + size * (np.array(self._board.held[before[0]].position) - center)
+            offset = target - (anchor - before[1])
+        motion, is_moving = self._config.motion, self._flock.drift(inputs.tick).any()
+        # At rest, only what shakes a robot moves it: to correct what is within the noise would do no good.
+        near = motion.station_m if is_moving else max(motion.station_m, self._arrival)
+        return toward(offset, motion, self._period, near)
 
     @property
     def _arrival(self) -> float:

@@ -58,6 +58,8 @@ class Board:
     def merge(self, place: Place) -> bool:
         """Take a record in; return whether it was news."""
         known = self._places.get(place.key)
+        if known is place:  # most of what is heard has been heard before
+            return False
         if known is not None:
             if place.rank <= known.rank:
                 return False

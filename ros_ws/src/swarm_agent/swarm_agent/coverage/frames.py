@@ -207,7 +207,14 @@ def decode(data: bytes) -> Frame:
 
 
 def _decode_place(reader: Reader) -> Place:
-    author, number, version, state, holder, x, y, z = reader.fields(_PLACE)
+    return _place_of(*reader.fields(_PLACE))
+
+
+@lru_cache(maxsize=1 << 16)
+def _place_of(  # noqa: PLR0913, PLR0917 - the fields of a record
+    author: int, number: int, version: int, state: int, holder: int, x: float, y: float, z: float
+) -> Place:
+    """Return the record of these fields: the same object each time, which is quickly known again."""
     if state not in _STATES:
         raise FrameError(f"unknown state of a place: {state}")
     checked(np.array([x, y, z]))

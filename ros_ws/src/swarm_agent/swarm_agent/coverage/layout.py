@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from swarm_agent.coverage.chain_lattice import chain_lattice
-from swarm_agent.coverage.config import CoverageConfig, Rule
-from swarm_agent.coverage.expansion import Layout, expand
+from swarm_agent.coverage.config import CoverageConfig
+from swarm_agent.coverage.detours import places_around
+from swarm_agent.coverage.expansion import Layout
 from swarm_agent.coverage.layout_tree import rooted, with_relays
-from swarm_agent.coverage.refinement import Task, fitted, greedy, without_the_least_needed
+from swarm_agent.coverage.refinement import Task, fitted, greedy, without_a_hardly_needed
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.geometry.solids.sampling import interior_points, surface_points, volume
 from swarm_msgs_py.geometry.solids.solid import Solid
@@ -18,8 +19,8 @@ from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 
 CHAIN_VOLUME = 1.97  # covered per robot of a chain lattice, in cubes of the range
+REMOVALS = 2  # robots whose removal is tried before a number of robots is given up
 DENSITY = 80.0  # points of the cloud per robot of a lattice: fewer leave gaps between them
-ROBOTS_MAX = 10_000  # of a layout around obstacles
 DEEP = 6.0  # first, few robots on a tree that may be deep; the same number is then tried on flatter ones
 FLATTER = (4.0, 3.0)
 LINK_SLACK = 0.995  # of the longest link, for the search: descent leaves links a little too long
@@ -41,17 +42,20 @@ def plan_layout(
         Of the random points by which places are found and judged; equal seeds give equal layouts.
     barriers : Barriers, optional
         Obstacles that places and links keep clear of. The search knows nothing of them: where they are in the way of
-        what it finds, places come from the frontier rule of most gain instead, which goes around them.
+        what it finds, places come from a coarser one that goes around them (`detours`).
     """
     found = _unobstructed(solid, leader, config, seed)
     if not barriers:
         return found
+    reach = config.placement * config.range_m
     if not barriers.contain(found.positions).any():
-        clear = rooted(found.positions, config.placement * config.range_m, barriers)
+        clear = rooted(found.positions, reach, barriers)
         if clear is not None:
             return clear
-    by_gain = replace(config, rule=Rule.GAIN)
-    return expand(solid, leader, by_gain, ROBOTS_MAX, rng_for(seed, "coverage", "detour"), barriers)
+    around = rooted(places_around(solid, leader, config, seed, barriers), reach, barriers)
+    if around is None:
+        raise AssertionError("ways around obstacles are linked")
+    return around
 
 
 def _unobstructed(solid: Solid, leader: FloatArray, config: CoverageConfig, seed: int) -> Layout:
@@ -59,7 +63,7 @@ def _unobstructed(solid: Solid, leader: FloatArray, config: CoverageConfig, seed
     expected = size / (CHAIN_VOLUME * config.range_m**3)
     if expected > config.layout.refined_max:
         return _lattice_layout(solid, leader, config, seed, expected)
-    return _refined_layout(solid, leader, config, seed)
+    return _refined_layout(solid, leader, config, seed) or _lattice_layout(solid, leader, config, seed, expected)
 
 
 def _lattice_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, seed: int, expected: float) -> Layout:
@@ -69,8 +73,11 @@ def _lattice_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, se
     return _linked(sites, reach)
 
 
-def _refined_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, seed: int) -> Layout:
-    """Return the layout of fewest robots that descent finds: one robot less each time, until a gap remains."""
+def _refined_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, seed: int) -> Layout | None:
+    """Return the layout of fewest robots that descent finds: one robot less each time, until a gap remains.
+
+    None if it does not even find one of as many robots as the greedy start has.
+    """
     settings, reach = config.layout, config.placement * config.range_m
     task = Task(
         cloud=_cloud(solid, settings.interior_points, settings.surface_points, seed),
@@ -85,10 +92,16 @@ def _refined_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, se
         power=DEEP,
     )
     rng = rng_for(seed, "coverage", "search")
-    best = greedy(task, task.cloud[: settings.interior_points], len(task.cloud))
+    start = greedy(task, task.cloud[: settings.interior_points], len(task.cloud))
+    best, task = fitted(task, start, settings.kick_share, settings.kicks, rng)
+    if best is None:
+        return None
     while len(best) > 1:
-        fewer = without_the_least_needed(task, best)
-        found, task = fitted(task, fewer, settings.kick_share, settings.kicks, rng)
+        for rank in range(min(REMOVALS, len(best) - 1)):
+            fewer = without_a_hardly_needed(task, best, rank)
+            found, task = fitted(task, fewer, settings.kick_share, settings.kicks, rng)
+            if found is not None:
+                break
         if found is None:
             break
         best = found

@@ -100,12 +100,12 @@ def greedy(task: Task, candidates: FloatArray, robots_max: int) -> FloatArray:
     return np.array(places)
 
 
-def without_the_least_needed(task: Task, places: FloatArray) -> FloatArray:
-    """Return the places less the follower that covers the fewest points alone."""
+def without_a_hardly_needed(task: Task, places: FloatArray, rank: int) -> FloatArray:
+    """Return the places less one follower: of rank 0, the one that covers the fewest points alone."""
     covers: BoolArray = cdist(task.cloud, places) <= task.radius
     alone = covers[covers.sum(axis=1) == 1].sum(axis=0)
     alone[0] = len(task.cloud) + 1  # the leader stays
-    return np.delete(places, int(alone.argmin()), axis=0)
+    return np.delete(places, int(np.argsort(alone, kind="stable")[rank]), axis=0)
 
 
 def descended(task: Task, places: FloatArray) -> FloatArray:

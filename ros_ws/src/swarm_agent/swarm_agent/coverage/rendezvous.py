@@ -9,7 +9,10 @@ from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.types import NodeId
 
 INFINITE = 0xFFFF  # hops of a robot that the search has not reached
-SETTLED_TICKS = 3  # without news until the children that a robot knows are all: search down, their answer back up
+LAST_RESORT_TICKS = 2  # without a better one, until a long edge will do
+SETTLED_TICKS = 5  # without news until the children that a robot knows are all: search down, their answer back up
+
+NO_PARENT = (INFINITE, NOBODY, 1 << 62)
 
 
 class Rendezvous:
@@ -34,7 +37,8 @@ class Rendezvous:
         self.hops = 0 if is_root else INFINITE
         self.parent = NOBODY
         self.searches = 0
-        self._news_at = 0
+        self._last_resort = NO_PARENT  # hops, parent and since when, over an edge that is longer than is good
+        self._news_at: int | None = None  # when it last heard something new; at first, when it began
         self._sizes: dict[NodeId, int] = {}
         self._parents: dict[NodeId, NodeId] = {}
         self._visitors: set[NodeId] = set()
@@ -68,17 +72,19 @@ class Rendezvous:
         frames : iterable of Frame
         around : Surroundings
         link : float
-            Longest edge of the tree [m]: somewhat less than the range, because who travels along it may be off.
+            Longest edge of the tree, where there is a choice [m]: somewhat less than the range, because who travels
+            along it may be off.
         """
         for frame in frames:
             news = frame.tree
             if news is None or news.term != self._term:
                 continue
             self._parents[frame.sender] = news.parent
-            near = around.distance(frame.sender) <= link
-            if near and news.hops + 1 < self.hops and not self._size:  # afterward, the parent counts on it
-                self.hops, self.parent = news.hops + 1, frame.sender
-                self._must_tell, self._news_at = True, tick
+            if news.hops + 1 < self.hops and not self._size:  # afterward, the parent counts on it
+                if around.distance(frame.sender) <= link:
+                    self._take(news.hops + 1, frame.sender, tick)
+                elif self.hops == INFINITE:
+                    self._last_resort = min(self._last_resort, (news.hops + 1, frame.sender, tick))
             if self._size:
                 pass  # whoever comes by now is another's descendant
             elif news.parent == self._me and self._sizes.get(frame.sender) != news.size:
@@ -88,6 +94,10 @@ class Rendezvous:
             if news.met == self._me:
                 self._visitors.add(frame.sender)
                 self._must_tell = True  # so that the visitor learns where to go next
+
+    def _take(self, hops: int, parent: NodeId, tick: int) -> None:
+        self.hops, self.parent = hops, parent
+        self._must_tell, self._news_at = True, tick
 
     def advance(self, tick: int, around: Surroundings, meeting: float) -> bool:
         """Decide what to do; return whether the root has been met (or, of the root, whether all have come).
@@ -99,6 +109,9 @@ class Rendezvous:
         meeting : float
             Nearer than this is met [m].
         """
+        hops, parent, heard_at = self._last_resort
+        if self.hops == INFINITE and tick - heard_at >= LAST_RESORT_TICKS:
+            self._take(hops, parent, tick)
         if self.hops == INFINITE or not self._is_complete(tick):
             return False
         everybody_came = len(self._visitors) >= self.size - 1
@@ -128,6 +141,8 @@ class Rendezvous:
 
     def _is_complete(self, tick: int) -> bool:
         """Return whether all of the subtree is known, and note its size."""
+        if self._news_at is None:
+            self._news_at = tick
         if not self._size and tick - self._news_at >= SETTLED_TICKS and all(self._sizes.values()):
             self._size = 1 + sum(self._sizes.values())
         return self._size > 0

@@ -92,7 +92,8 @@ def choose(config: CoverageConfig, site: Site, rng: np.random.Generator) -> Choi
 def _covered(places: FloatArray, points: FloatArray, radius: float) -> FloatArray:
     """Return how many of `points` (m, 3) [m] a robot at each of `places` (k, 3) [m] would cover, (k,)."""
     counts = np.count_nonzero(cdist(places, points) <= radius * (1.0 + TOUCHING), axis=1)
-    return counts.astype(np.float64)
+    numbers: FloatArray = counts.astype(np.float64)
+    return numbers
 
 
 def _volumes(places: FloatArray, site: Site, radius: float) -> FloatArray:

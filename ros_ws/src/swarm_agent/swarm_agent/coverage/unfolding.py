@@ -13,8 +13,9 @@ from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig
 from swarm_agent.coverage.frames import Key, State
 from swarm_agent.coverage.surroundings import Surroundings
-from swarm_msgs_py.types import FloatArray, NodeId
+from swarm_msgs_py.types import FloatArray
 
+BESIDE = 0.2  # of the range: so near to the leader a robot must be to unfold with the others
 GUARD_SIGMAS = 4.0  # of process noise that a link to the next robot toward the leader is kept short of the range
 
 
@@ -65,7 +66,7 @@ class Unfolding:
         target: FloatArray = self._root + self.share(tick + 1) * (self._goal - self._root)
         before = board.get(self._before)
         offset = None if before is None else around.offset(before.holder)
-        if offset is None:
+        if offset is None or np.linalg.norm(offset) >= self._config.range_m:  # not here: a straggler
             return target
         anchor = position + offset
         reach = self._config.range_m - GUARD_SIGMAS * self._config.motion.sigma_m
@@ -87,11 +88,15 @@ class Unfolding:
         if not len(taken):
             return None
         guesses = self._root + self.share(tick) * self._ways[taken] - around.offsets[sensed]
-        mean: FloatArray = guesses.mean(axis=0)
-        return mean
+        middle: FloatArray = np.median(guesses, axis=0)  # a straggler is not on schedule, and must not count
+        return middle
 
 
-def may_unfold(board: Board, root: Key, me: NodeId) -> bool:
-    """Return whether this is the beginning: nobody but the leader has arrived anywhere, and no place was given up."""
+def may_unfold(board: Board, root: Key, away: float, config: CoverageConfig) -> bool:
+    """Return whether this is the beginning, for a robot that is so far `away` from the leader [m].
+
+    Nobody but the leader has arrived anywhere, no place was given up, and the robot is where it has to begin.
+    """
     held = [place.key for place in board.held.values()]
-    return held == [root] and all(place.version == 0 for place in board.everything()) and me not in board.held
+    is_here = away <= BESIDE * config.range_m
+    return is_here and held == [root] and all(place.version == 0 for place in board.everything())

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from swarm_agent.coverage.config import MotionConfig
-from swarm_agent.coverage.frames import Place
+from swarm_agent.coverage.frames import Key, Place
 from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.types import FloatArray, NodeId
 
@@ -31,14 +31,34 @@ def located(around: Surroundings, held: Mapping[NodeId, Place]) -> FloatArray | 
     return position
 
 
-def located_by_all(around: Surroundings, held: Mapping[NodeId, Place], link: float) -> FloatArray | None:
-    """Return the own position (3,) [m] as the mean of what all linked holders say of it; None without one."""
-    rows = [(robot, row) for robot in held if (row := around.robots.get(robot)) is not None]
-    guesses = [
-        np.array(held[robot].position) - around.offsets[row] for robot, row in rows if around.distances[row] < link
+def upstream(
+    around: Surroundings, held: Mapping[NodeId, Place], hops: Mapping[Key, int], mine: Key, link: float
+) -> tuple[NodeId, FloatArray] | None:
+    """Return the nearest linked holder that is nearer to the leader, and the offset to it; None if there is none.
+
+    Parameters
+    ----------
+    around : Surroundings
+    held : mapping
+    hops : mapping
+        Links to the leader, of places.
+    mine : Key
+        The own place.
+    link : float
+        Longest link [m].
+    """
+    depth = hops.get(mine, 0)
+    near = [
+        (around.distances[row], robot, row)
+        for robot, place in held.items()
+        if hops.get(place.key, depth) < depth
+        and (row := around.robots.get(robot)) is not None
+        and around.distances[row] < link
     ]
-    mean: FloatArray | None = np.mean(guesses, axis=0) if guesses else None
-    return mean
+    if not near:
+        return None
+    _, robot, row = min(near)
+    return robot, around.offsets[row]
 
 
 def toward(offset: FloatArray | None, motion: MotionConfig, period: float, near: float = 0.0) -> FloatArray:

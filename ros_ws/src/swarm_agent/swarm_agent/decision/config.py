@@ -58,6 +58,13 @@ class DecisionConfig(Config):
     weight: WeightConfig = section(WeightConfig, "how much this robot's path counts")
     swap: SwapConfig = section(SwapConfig, "exchange of goals with a robot that stands in the way")
 
+    cost_step_m: float = setting(
+        0.01,
+        "robots tell each other path lengths in whole steps of this, up to 65,534; the same for the whole swarm",
+        unit="m",
+        minimum=1e-4,
+        maximum=1.0,
+    )
     patience_s: float = setting(
         8.0, "how long a robot stands still for the cost rows of its type to be complete", unit="s", minimum=0.0
     )

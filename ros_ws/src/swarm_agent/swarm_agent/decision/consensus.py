@@ -135,7 +135,7 @@ class Consensus:
         self._hand_on(tick, asking, mesh)
 
     def offer(self, tick: int, costs: IntArray, mesh: Network, weight: int = WEIGHT_ONE) -> None:
-        """Publish this robot's own costs [cm] for the plan in force, and its weight; nothing after the last version."""
+        """Publish the own costs [steps] for the plan in force, and the weight; nothing after the last version."""
         version = self.book.version_of(self._robot) + 1
         if version > VERSION_MAX:
             return

@@ -66,7 +66,7 @@ class GoalSeeking:
         self._mesh = mesh
         self._consensus = consensus
         self._first_map = obstacles
-        paths = PathCosts(robot_type, planning)
+        paths = PathCosts(robot_type, planning, config.cost_step_m)
         self._offers = RowOffers(
             robot, config=config, paths=paths, energy=energy, mesh=mesh, consensus=consensus, period_s=period_s
         )

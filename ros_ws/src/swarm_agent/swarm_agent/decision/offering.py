@@ -31,7 +31,7 @@ import numpy as np
 
 from swarm_agent.decision.config import DecisionConfig, WeightConfig
 from swarm_agent.decision.consensus import Consensus
-from swarm_agent.decision.path_costs import CM_PER_M, PathCosts, dearer
+from swarm_agent.decision.path_costs import PathCosts, dearer
 from swarm_agent.energy import EnergyStore
 from swarm_msgs_py.messages.bodies import UNREACHABLE, WEIGHT_MAX, WEIGHT_ONE, Objective, Plan
 from swarm_msgs_py.networking.network import Network
@@ -88,8 +88,8 @@ class RowOffers:
         self._since = 0  # epoch with which the rows began
         self._origins = np.empty((0, 2))  # of the goals of the type, which rows speak of [m]
         self._weight = WEIGHT_ONE  # for this plan
-        self._lengths: IntArray | None = None  # of the paths [cm], as the last row was made from them
-        self._driven = 0  # of the path to the goal, under this plan [cm]
+        self._lengths: IntArray | None = None  # of the paths [steps], as the last row was made from them
+        self._driven = 0  # of the path to the goal, under this plan [steps]
         self._kind: Row | None = None
         self._version = 0  # of the row offered last
         self._offered_at = 0  # tick
@@ -128,7 +128,7 @@ class RowOffers:
             self._offer(tick, place, self._row(plan, place, goal, kind), kind)
 
     def offer_swap(self, tick: int, plan: Plan, position: FloatArray, goal: int, surcharge: IntArray) -> None:
-        """Offer costs that are higher by a surcharge for each goal of the type, (m,) [cm]; none keeps the own goal."""
+        """Offer costs that are higher by a surcharge for each goal, (m,) [steps]; none keeps the own goal."""
         place = self._place(tick, plan, position, goal)
         self._offer(tick, place, self._row(plan, place, goal, Row.COSTS, surcharge), Row.COSTS)
         self._is_surcharged = True
@@ -181,14 +181,14 @@ class RowOffers:
         self._is_stale = self._is_surcharged = False
 
     def _row(self, plan: Plan, place: FloatArray, goal: int, kind: Row, surcharge: IntArray | None = None) -> IntArray:
-        """Return the costs of the goals of the own type [cm], (m,), from a `_place`; (0,) for an empty row."""
+        """Return the costs of the goals of the own type [steps], (m,), from a `_place`; (0,) for an empty row."""
         if kind is Row.EMPTY:
             return np.empty(0, dtype=np.int64)
         is_own = self._paths.goals(plan) == goal
         if kind is Row.RESERVATION:
             return np.where(is_own, 0 if self._lengths is None else self._lengths, UNREACHABLE)
         lengths = self._paths.to(self._origins, plan, place)
-        keep, discount = round(self._config.keep_goal_m * CM_PER_M), 0
+        keep, discount = self._paths.steps(self._config.keep_goal_m), 0
         if self._config.objective is Objective.BOTTLENECK:
             lengths = self._whole(lengths, is_own)
             discount = keep if is_own.any() else 0  # the own goal must not become cheaper: the longest path may be it
@@ -196,7 +196,7 @@ class RowOffers:
         return dearer(lengths, discount - keep * is_own if surcharge is None else surcharge)
 
     def _whole(self, lengths: IntArray, is_own: IntArray) -> IntArray:
-        """Return the lengths of whole paths [cm]: what has been driven towards the own goal, and what is left."""
+        """Return the lengths of whole paths [steps]: what has been driven towards the own goal, and what is left."""
         if self._lengths is not None and is_own.any():
             before, now = int(self._lengths[is_own][0]), int(lengths[is_own][0])
             if UNREACHABLE not in {before, now}:

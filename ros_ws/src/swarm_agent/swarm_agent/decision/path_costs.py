@@ -1,4 +1,4 @@
-"""What the goals of a plan cost a robot: path lengths in whole centimeters, as rows carry them."""
+"""What the goals of a plan cost a robot: path lengths in whole steps, centimeters by default, as rows carry them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from swarm_msgs_py.plan_motion import goals_at
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.types import FloatArray, IntArray
 
-CM_PER_M = 100.0
+STEP_M = 0.01
+"""Step of path lengths where nothing else is set [m]."""
 
 
 class PathCosts:
@@ -21,16 +22,23 @@ class PathCosts:
     ----------
     robot_type : RobotType
     config : PlanningConfig
+    step_m : float
+        In which they are told [m].
     """
 
-    def __init__(self, robot_type: RobotType, config: PlanningConfig) -> None:
+    def __init__(self, robot_type: RobotType, config: PlanningConfig, step_m: float = STEP_M) -> None:
         self._type = robot_type
         self._config = config
+        self._per_m = 1.0 / step_m
 
     @property
     def robot_type(self) -> int:
         """Number of the type."""
         return self._type.type
+
+    def steps(self, length_m: float) -> int:
+        """Return a length [m] in whole steps."""
+        return round(length_m * self._per_m)
 
     def goals(self, plan: Plan) -> IntArray:
         """Return the ids of the goals for this type, ascending, (m,)."""
@@ -46,14 +54,14 @@ class PathCosts:
         return self.places(0 if plan.motion is None else plan.motion.begins, plan)
 
     def of(self, tick: int, plan: Plan, position: FloatArray) -> IntArray:
-        """Return the length of the shortest path from a place to where each goal of the type is now, (m,) [cm].
+        """Return the length of the shortest path from a place to where each goal of the type is now, (m,) [steps].
 
         As `to` of `places`.
         """
         return self.to(self.places(tick, plan), plan, position)
 
     def to(self, goals: FloatArray, plan: Plan, position: FloatArray) -> IntArray:
-        """Return the length of the shortest path from a place to each of some others, (m,) [cm].
+        """Return the length of the shortest path from a place to each of some others, (m,) [steps].
 
         An estimate that is far off may lie in a wall or outside the arena, from where no path leads anywhere. The robot
         is somewhere else for certain; then beelines are the best guess.
@@ -71,11 +79,11 @@ class PathCosts:
         meters = planner.costs(position, goals)
         if not np.isfinite(meters).any():
             meters = np.linalg.norm(goals - position, axis=1)
-        centimeters = np.minimum(np.rint(meters * CM_PER_M), UNREACHABLE - 1)
-        return np.where(np.isfinite(meters), centimeters, UNREACHABLE).astype(np.int64)
+        steps = np.minimum(np.rint(meters * self._per_m), UNREACHABLE - 1)
+        return np.where(np.isfinite(meters), steps, UNREACHABLE).astype(np.int64)
 
 
 def dearer(costs: IntArray, surcharge: IntArray | int) -> IntArray:
-    """Return costs with something added [cm], at least 0; what has no path still has none, and only that."""
+    """Return costs with something added [steps], at least 0; what has no path still has none, and only that."""
     changed = np.clip(costs + surcharge, 0, UNREACHABLE - 1)
     return np.where(costs == UNREACHABLE, UNREACHABLE, changed)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from swarm_agent.decision.config import SwapConfig
 from swarm_agent.decision.consensus import Consensus
-from swarm_agent.decision.path_costs import CM_PER_M, PathCosts
+from swarm_agent.decision.path_costs import PathCosts
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
 from swarm_msgs_py.networking.network import Network
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
@@ -73,7 +73,7 @@ class SwapOffers:
         *,
         is_blocked: bool,
     ) -> IntArray | None:
-        """Return by how much each goal of the type is dearer for the robot [cm], None if no exchange is due.
+        """Return by how much each goal of the type is dearer for the robot [steps], None if no exchange is due.
 
         Parameters
         ----------
@@ -99,7 +99,7 @@ class SwapOffers:
         if in_the_way:
             self._blocked = 0.0
             self._tries += 1
-        worth = round(self._config.worth_m * CM_PER_M) * growth
+        worth = self._paths.steps(self._config.worth_m) * growth
         for neighbor, theirs, beyond in in_the_way:
             if self._is_worth_it((own, taken[neighbor]), (mine, theirs), neighbor, worth):
                 return np.where(beyond, worth, 0)
@@ -108,13 +108,13 @@ class SwapOffers:
     def _in_the_way(
         self, tick: int, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int], mine: IntArray
     ) -> list[tuple[NodeId, IntArray, NDArray[np.bool_]]]:
-        """Return the robots between this one and its goal, nearest first: their costs [cm], and the goals behind them.
+        """Return the robots between this one and its goal, nearest first: their costs [steps], and goals behind them.
 
         Only those count with which goals can be exchanged. The goal of the other one is not behind it: it will leave.
         """
         found = []
         for apart, neighbor, theirs in self._near(tick, plan, position, taken):
-            beyond = apart + theirs <= mine + round(self._config.detour_max_m * CM_PER_M)
+            beyond = apart + theirs <= mine + self._paths.steps(self._config.detour_max_m)
             beyond[taken[neighbor]] = False
             if beyond[taken[self._robot]]:
                 found.append((neighbor, theirs, beyond))
@@ -123,13 +123,13 @@ class SwapOffers:
     def _near(
         self, tick: int, plan: Plan, position: FloatArray, taken: Mapping[NodeId, int]
     ) -> list[tuple[int, NodeId, IntArray]]:
-        """Return neighbors of the own type that have goals, nearest first: how far they are and what they pay [cm]."""
+        """Return neighbors of the own type that have goals, nearest first: how far off, and what they pay [steps]."""
         near = []
         for neighbor, presence in self._mesh.neighbors.items():
             apart = float(np.hypot(*(presence.position - position)))
             is_alike = presence.robot_type == self._paths.robot_type and presence.epoch == plan.epoch
             if is_alike and neighbor in taken and apart <= self._config.distance_m:
-                near.append((round(apart * CM_PER_M), neighbor, self._paths.of(tick, plan, presence.position)))
+                near.append((self._paths.steps(apart), neighbor, self._paths.of(tick, plan, presence.position)))
         return sorted(near, key=lambda entry: entry[:2])
 
     def _is_worth_it(

@@ -165,7 +165,8 @@ class CostRow:
     version : int
         Rows of one robot and epoch are numbered 1, 2, ...; the highest counts. A withdrawn robot's row is empty.
     costs : (m,) int array
-        Length of the shortest free path to each goal [cm]; `UNREACHABLE` where there is none.
+        Length of the shortest free path to each goal, in steps that the swarm has agreed on (by default centimeters);
+        `UNREACHABLE` where there is none.
     weight : int
         How much a meter of this robot counts, in units of 1 / `WEIGHT_ONE`; 1 to `WEIGHT_MAX`.
     objective : Objective
@@ -185,7 +186,7 @@ VERSION_LEAP_MAX = 1024
 """By how much one version may be numbered beyond the last; more is noise, and would shut out the robot's real rows."""
 
 UNREACHABLE = 0xFFFF
-"""Cost [cm] that stands for: there is no path."""
+"""Cost that stands for: there is no path."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,9 @@ MAP_FRAME = "map"
 NEIGHBOR_LABELS = ("neighbor", "id_offset")
 """The same of a scan of neighbors in space: one row per robot, [address, x, y, z [m]] each."""
 
+BOAT_LABELS = ("pose_reference", "x_y_yaw")
+"""The same of a boat: measured pose, then the pose that the firmware holds, [x, y [m], yaw [rad]] each."""
+
 RANGE_LABELS = ("neighbor", "id_range")
 """Labels of the two dimensions of a range scan: one row per neighbor, [address, range [m]] each."""
 
@@ -199,6 +202,49 @@ def decode_neighbors(data: bytes) -> tuple[int, tuple[IntArray, FloatArray]]:
     if len(leading) != 1 or rows.shape[1] != 4:
         raise cdr.MessageError(f"neighbors have {len(leading)} + n x {rows.shape[1]} numbers, not 1 + n x 4")
     return int(leading[0]), (rows[:, 0].astype(np.int64), np.ascontiguousarray(rows[:, 1:]))
+
+
+def encode_boat(tick: int, contacts: int, poses: FloatArray) -> bytes:
+    """Return a ``std_msgs/Float64MultiArray``: tick, pressed foils as bits, then measured and held pose (2, 3)."""
+    return cdr.double_array(poses, BOAT_LABELS, (float(tick), float(contacts)))
+
+
+def decode_boat(data: bytes) -> tuple[int, tuple[int, FloatArray]]:
+    """Return the tick, the pressed foils as bits, and the poses (2, 3), of a ``std_msgs/Float64MultiArray``.
+
+    Raises
+    ------
+    MessageError
+        If it is not such a table after two numbers, or a number is not finite.
+    """
+    leading, rows = cdr.read_double_array(data)
+    if len(leading) != 2 or rows.shape != (2, 3):
+        raise cdr.MessageError(f"a boat has {len(leading)} + {rows.shape} numbers, not 2 + (2, 3)")
+    if not (np.isfinite(leading).all() and np.isfinite(rows).all()):
+        raise cdr.MessageError("the poses of a boat must be finite")
+    return int(leading[0]), (int(leading[1]), rows)
+
+
+def encode_drift(stamp: bytes, velocity: FloatArray) -> bytes:
+    """Return a ``geometry_msgs/TwistStamped`` of a planar velocity (3,) in the world frame [m/s], [rad/s]."""
+    x, y, turn = velocity.tolist()
+    return stamp + cdr.frame(MAP_FRAME) + _TWIST.pack(x, y, 0.0, 0.0, 0.0, turn)
+
+
+def decode_drift(data: bytes) -> tuple[float, FloatArray]:
+    """Return the time [s] and the planar velocity (3,) of a ``geometry_msgs/TwistStamped``.
+
+    Raises
+    ------
+    MessageError
+        If the message is cut short, or a number is not finite.
+    """
+    time, at = cdr.read_header(data)
+    twist = cdr.read_doubles(data, _TWIST, at)
+    velocity = (twist[0], twist[1], twist[5])
+    if not all(map(math.isfinite, velocity)):
+        raise cdr.MessageError(f"velocity must be finite, got {', '.join(map(str, velocity))}")
+    return time, np.array(velocity)
 
 
 def encode_velocity(stamp: bytes, frame: str, velocity: FloatArray) -> bytes:

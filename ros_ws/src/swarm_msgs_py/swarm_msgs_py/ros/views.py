@@ -20,6 +20,7 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from swarm_msgs_py.assembly.boat_io import AssemblyReport
 from swarm_msgs_py.coverage_io import CoverageReport
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import AgentReport, Mode, Positioning
@@ -150,6 +151,31 @@ def point_status(robot: NodeId, seconds: float, report: CoverageReport) -> Diagn
         "places": report.places,
         "is_done": report.is_done,
         "is_leading": report.is_leading,
+    }
+    state = DiagnosticStatus(
+        level=DiagnosticStatus.OK,
+        name=robot_name(robot),
+        hardware_id=robot_name(robot),
+        message=report.mode.name.lower(),
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+    )
+    return DiagnosticArray(header=_header(seconds), status=[state])
+
+
+def boat_odometry(robot: NodeId, seconds: float, report: AssemblyReport) -> Odometry:
+    """Return where a boat measured itself."""
+    message = Odometry(header=_header(seconds), child_frame_id=body_frame(robot))
+    message.pose.pose = _pose(report.pose[:2], float(report.pose[2]))
+    return message
+
+
+def boat_status(robot: NodeId, seconds: float, report: AssemblyReport) -> DiagnosticArray:
+    """Return what a boat does, and what it touches."""
+    values = {
+        "mode": report.mode.name.lower(),
+        "epoch": report.epoch,
+        "steps": f"{report.steps_done} of {report.steps}",
+        "contacts": " ".join(face.name.lower() for face in sorted(report.contacts)),
     }
     state = DiagnosticStatus(
         level=DiagnosticStatus.OK,

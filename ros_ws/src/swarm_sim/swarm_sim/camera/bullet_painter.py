@@ -11,10 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from swarm_msgs_py.errors import PhysicsError
 from swarm_msgs_py.markers import PRINTED_SRGB, CoverMarker, FloorMarks
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.bullet import pybullet
+from swarm_sim.bullet import open_server, pybullet
 from swarm_sim.camera.exposure import LightArray, codes_of, light_of
 from swarm_sim.camera.optics import Optics
 from swarm_sim.camera.raster import BLACK_SRGB, DRUM_SRGB, FLOOR_SRGB, Spot
@@ -54,9 +53,7 @@ class BulletPainter:
         self._size = round(WIDER * info.width), round(WIDER * info.height)
         self._view, self._projection = _matrices(optics, self._size)
         self._samples = _samples(optics, self._size)
-        self._client = pybullet.connect(pybullet.DIRECT)
-        if self._client < 0:
-            raise PhysicsError("PyBullet could not start a server for the camera; use sim.camera.renderer 'raster'")
+        self._client = open_server()
         half = FLOOR_HALF_M
         floor = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]]
         self._add((floor, [0, 1, 2, 0, 2, 3]), FLOOR_SRGB)

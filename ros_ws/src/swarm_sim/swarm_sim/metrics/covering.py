@@ -70,7 +70,7 @@ class Covering:
         self.components = live_components(truth.alive, truth.links)
         self.violations += self.components > 1
         modes = {robot: report.mode for robot, report in reports.items() if truth.alive[robot]}
-        if CoverageMode.GATHERING in modes.values():
+        if CoverageMode.GATHERING in modes.values() and CoverageMode.HOLDING not in modes.values():
             self.rendezvous_at = self.ticks
         if not any(report.is_leading and report.mode is CoverageMode.HOLDING for report in reports.values()):
             self.expanding_at = max(self.expanding_at, self.ticks) if not self.placed_at else self.expanding_at

@@ -14,9 +14,9 @@ from swarm_sim.config import Drive, DriveConfig, SimConfig
 from swarm_sim.firmware.omni_wheels import StepMotors, WheelSlip, apply, mixing_matrices, unmixing_matrices
 from swarm_sim.firmware.servo_gains import servo_gains
 from swarm_sim.firmware.velocity_servo import HeadingServo, VelocityServo
+from swarm_sim.gravity import GRAVITY
 from swarm_sim.world.chassis import Chassis, wheel_levers
 
-GRAVITY = 9.81
 WHEELS = 3
 SLIP_STREAM = "wheel slip"
 

@@ -12,9 +12,10 @@ import numpy as np
 
 from swarm_msgs_py.errors import PhysicsError
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.bullet import pybullet
+from swarm_sim.bullet import open_server, pybullet
 from swarm_sim.config import Ground, SimConfig
 from swarm_sim.firmware.velocity_servo import wrap_angle
+from swarm_sim.gravity import GRAVITY
 from swarm_sim.scene import RobotSpec, Scene
 from swarm_sim.world.chassis import Chassis
 from swarm_sim.world.drives import make_drive
@@ -22,7 +23,6 @@ from swarm_sim.world.obstacles import convex_pieces
 from swarm_sim.world.terrain import CELL_M, Terrain, make_terrain
 from swarm_sim.world.world import BodyState, Motion, TickGrid, frozen, motion_between
 
-GRAVITY = 9.81
 WALL_HEIGHT_M = 1.5
 """Of walls above the highest ground."""
 WALL_DEPTH_M = 1.0
@@ -71,9 +71,7 @@ class PyBulletWorld:
         terrain = make_terrain(config.terrain, scene.bounds, seed)
         self._floor = float(terrain.heights.min()) - SINK_LIMIT_M
 
-        self._client = pybullet.connect(pybullet.DIRECT)
-        if self._client < 0:
-            raise PhysicsError("PyBullet could not start a physics server; close other simulations and try again")
+        self._client = open_server()
         try:
             self._bodies = _SceneBuilder(self._client, self._grid.step_s).build(config, scene, terrain)
             self._state = self._read()

@@ -1,6 +1,6 @@
 """The arena under its camera, over many seeds: five shapes in a row, against what the thesis' hardware took.
 
-python benchmarks/arena.py [--seeds S ...] [--engine ros|inprocess] [--random-starts] [--set KEY=VALUE ...] [--out FILE]
+python benchmarks/camera_arena.py [--seeds S ...] [--engine ros|inprocess] [--random-starts] [--set K=V] [--out FILE]
 
 Each run is a process of its own, as a user would start it. The first table has a row per shape: means over the seeds,
 with the worst in parentheses. The last has what holds for whole runs. With ``--random-starts`` robots start anywhere,

@@ -1,0 +1,274 @@
+"""The mission computer's part while boats assemble: it listens, stops them when something is lost, and plans the rest.
+
+A boat that falls silent in a docked group is carried along, and nothing has to change. One that falls silent on its own
+is missing in the structure; so is a dock whose magnets fail. Then all boats stop at their next cells, and what they
+report is the start of a new plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from mission_computer.assembly.redispatch import Midway, plan_rest
+from mission_computer.assembly.timed_plan import TimedLimits
+from swarm_msgs_py.assembly.docking import docked_contacts
+from swarm_msgs_py.assembly.faces import Cell, Face, Layout, turned
+from swarm_msgs_py.assembly.plan import AssemblyPlan
+from swarm_msgs_py.assembly.problem import AssemblyProblem
+from swarm_msgs_py.assembly.progress_frames import ProgressFrame
+from swarm_msgs_py.errors import NoDispatchError
+
+REPLANS_MAX = 8
+"""After so many losses the foreman is content with what stands."""
+
+
+class ForemanState(Enum):
+    """What the foreman is doing."""
+
+    WATCHING = "watching"
+    STOPPING = "stopping"
+    DONE = "done"
+    GAVE_UP = "gave up"
+
+
+@dataclass(frozen=True, slots=True)
+class ForemanReport:
+    """How the assembly stands.
+
+    Attributes
+    ----------
+    state : ForemanState
+    epoch : int
+        Number of the plan.
+    is_halting : bool
+        Boats are to stop.
+    built, wanted : int
+        Boats in the largest docked group that is known of, and targets of the operator's structure.
+    note : str
+        What was lost, in one line; empty while nothing was.
+    """
+
+    state: ForemanState
+    epoch: int
+    is_halting: bool
+    built: int
+    wanted: int
+    note: str
+
+
+class Foreman:
+    """Watches one assembly.
+
+    Parameters
+    ----------
+    problem : AssemblyProblem
+    plan : AssemblyPlan
+        With timed paths.
+    seed : int
+        Of further plans.
+    silence_ticks : int
+        A boat that was not heard for so long is taken for dead.
+    limits : TimedLimits
+        Of further plans.
+
+    Attributes
+    ----------
+    problem, plan
+        What boats are to follow now.
+    epoch : int
+        Its number, from 1.
+    """
+
+    def __init__(
+        self, problem: AssemblyProblem, plan: AssemblyPlan, seed: int, silence_ticks: int, limits: TimedLimits
+    ) -> None:
+        self.problem, self.plan, self.epoch = problem, plan, 1
+        self._wanted = problem.targets
+        self._seed = seed
+        self._limits = limits
+        self._silence_ticks = silence_ticks
+        self._heard: dict[int, ProgressFrame] = {}  # of the present plan
+        self._alive_at: dict[int, int] = {}
+        self._state = ForemanState.WATCHING
+        self._settled = 0
+        self._notes: list[str] = []
+
+    def step(self, tick: int, frames: Sequence[ProgressFrame]) -> ForemanReport:
+        """Listen for one tick, and decide."""
+        for frame in frames:
+            self._alive_at[frame.boat] = tick
+            if frame.epoch == self.epoch:
+                self._heard[frame.boat] = frame
+        if self._state is ForemanState.WATCHING:
+            self._watch(tick)
+        elif self._state is ForemanState.STOPPING:
+            self._settled = self._settled + 1 if self._have_stopped(tick) else 0
+            if self._settled > self._silence_ticks // 4:
+                self._plan_rest(tick)
+        return self._report()
+
+    def _watch(self, tick: int) -> None:
+        boats = self.plan.dispatch.boats
+        docked = {boat for group in self._groups() for boat in group}
+        lost = [boat for boat in boats if self._is_silent(boat, tick) and boat not in docked]
+        stuck = [boat for boat in boats if boat in self._heard and self._heard[boat].is_stuck]
+        if lost or stuck:
+            self._notes.append(_what(lost, stuck))
+            self._state = ForemanState.STOPPING
+            self._settled = 0
+        elif self._is_complete():
+            self._state = ForemanState.DONE
+
+    def _is_silent(self, boat: int, tick: int) -> bool:
+        return tick - self._alive_at.get(boat, 0) > self._silence_ticks
+
+    def _is_complete(self) -> bool:
+        groups = self._groups()
+        return self._wanted_now() == 1 or (bool(groups) and len(groups[0]) == self._wanted_now() and self._arrived())
+
+    def _wanted_now(self) -> int:
+        return self.problem.target_count
+
+    def _arrived(self) -> bool:
+        steps = self.plan.paths.steps if self.plan.paths else 0
+        return any(frame.steps_done == steps for frame in self._heard.values())
+
+    def _have_stopped(self, tick: int) -> bool:
+        boats = range(self.problem.boat_count)
+        return all(
+            self._is_silent(boat, tick) or (boat in self._heard and self._heard[boat].is_halted) for boat in boats
+        )
+
+    def _groups(self) -> list[tuple[int, ...]]:
+        """Return the groups of two or more boats whose foils say that they hold together, the largest first."""
+        boats = self.plan.dispatch.boats
+        links: dict[int, set[int]] = {}
+        for contact in docked_contacts(self.problem.targets, self._layouts_at_targets(), self.problem.gender):
+            one, other = boats[contact.one], boats[contact.other]
+            if self._tells(one, contact.face) or self._tells(other, contact.face.opposite):
+                links.setdefault(one, set()).add(other)
+                links.setdefault(other, set()).add(one)
+        groups: list[tuple[int, ...]] = []
+        seen: set[int] = set()
+        for first in sorted(links):
+            if first in seen:
+                continue
+            group, border = {first}, [first]
+            while border:
+                fresh = links[border.pop()] - group
+                group |= fresh
+                border.extend(fresh)
+            seen |= group
+            groups.append(tuple(sorted(group)))
+        return sorted(groups, key=lambda group: (-len(group), group))
+
+    def _layouts_at_targets(self) -> tuple[Layout, ...]:
+        return self.plan.dispatch.layouts(self.problem)
+
+    def _tells(self, boat: int, face: Face) -> bool:
+        heard = self._heard.get(boat)
+        return heard is not None and face in heard.contacts
+
+    def _plan_rest(self, tick: int) -> None:
+        if self.epoch > REPLANS_MAX:
+            self._state = ForemanState.GAVE_UP
+            return
+        try:
+            self.problem, self.plan = plan_rest(self._midway(tick), self._seed + self.epoch, self._limits)
+        except NoDispatchError as error:
+            self._notes.append(str(error))
+            self._state = ForemanState.GAVE_UP
+            return
+        self.epoch += 1
+        self._notes += _what_changed(self._wanted, self.problem.targets)
+        self._heard.clear()
+        self._state = ForemanState.WATCHING
+
+    def _midway(self, tick: int) -> Midway:
+        """Return the assembly as it stopped, from what boats told."""
+        problem, dispatch, paths = self.problem, self.plan.dispatch, self.plan.paths
+        cells = paths.cells if paths else np.array([problem.starts])
+        groups = self._groups()
+        dead = {boat for boat in range(problem.boat_count) if self._is_silent(boat, tick)}
+        steps = {boat: self._heard[boat].steps_done if boat in self._heard else 0 for boat in dispatch.boats}
+        for group in groups:  # who is carried is where its group is
+            reached = max(steps[boat] for boat in group if boat not in dead) if set(group) - dead else 0
+            steps |= dict.fromkeys(group, reached)
+        starts = list(problem.starts)
+        for boat, step in steps.items():
+            starts[boat] = _cell(cells[step, boat])
+        docked = {boat for group in groups for boat in group}
+        # A boat that died on its way is somewhere between the cell that it told and the next.
+        between = {_cell(cells[min(steps[boat] + 1, len(cells) - 1), boat]) for boat in dead - docked if boat in steps}
+        stopped = replace(
+            problem,
+            starts=tuple(starts),
+            layouts=self._working_layouts(groups),
+            obstacles=tuple(sorted({*problem.obstacles, *between})),
+            is_midway=True,
+        )
+        return Midway(stopped, dispatch, tuple(groups), frozenset(dead))
+
+    def _working_layouts(self, groups: Sequence[tuple[int, ...]]) -> tuple[Layout, ...]:
+        """Return how boats are turned now, without the mechanisms that met and do not hold."""
+        problem, dispatch = self.problem, self.plan.dispatch
+        layouts = [list(layout) for layout in problem.layouts]
+        for boat, turns in zip(dispatch.boats, dispatch.turns, strict=True):
+            layouts[boat] = list(turned(problem.layouts[boat], turns))
+        group_of = {boat: number for number, group in enumerate(groups) for boat in group}
+        for contact in docked_contacts(problem.targets, self._layouts_at_targets(), problem.gender):
+            one, other = dispatch.boats[contact.one], dispatch.boats[contact.other]
+            is_closed = self._tells(one, contact.face) or self._tells(other, contact.face.opposite)
+            have_met = group_of.get(one, -1 - one) == group_of.get(other, -1 - other)
+            is_stuck = any(boat in self._heard and self._heard[boat].is_stuck for boat in (one, other))
+            if not is_closed and (have_met or (is_stuck and self._are_neighbors(one, other, contact.face))):
+                layouts[one][contact.face] = layouts[other][contact.face.opposite] = 0
+        return tuple((up, down, left, right) for up, down, left, right in layouts)
+
+    def _are_neighbors(self, one: int, other: int, face: Face) -> bool:
+        if self.plan.paths is None or one not in self._heard or other not in self._heard:
+            return False
+        cells = self.plan.paths.cells
+        (x, y), (u, v) = (_cell(cells[self._heard[boat].steps_done, boat]) for boat in (one, other))
+        return (u - x, v - y) == face.offset
+
+    def _report(self) -> ForemanReport:
+        groups = self._groups()
+        return ForemanReport(
+            self._state,
+            self.epoch,
+            self._state is ForemanState.STOPPING,
+            len(groups[0]) if groups else 1,
+            len(self._wanted),
+            "; ".join(self._notes),
+        )
+
+
+def _what(lost: Sequence[int], stuck: Sequence[int]) -> str:
+    parts = []
+    if lost:
+        parts.append(f"boat {', '.join(map(str, lost))} fell silent on its way")
+    if stuck:
+        parts.append(f"the docks of boat {', '.join(map(str, stuck))} do not hold")
+    return ", ".join(parts)
+
+
+def _what_changed(wanted: Sequence[Cell], kept: Sequence[Cell]) -> list[str]:
+    """Return what the operator must know of a new plan: places that are given up, and where the rest is built."""
+    notes = []
+    if len(kept) < len(wanted):
+        notes.append(f"{len(wanted) - len(kept)} of {len(wanted)} places are given up")
+    if not set(kept) <= set(wanted):
+        x, y = kept[0]
+        shifts = {(x - u, y - v) for u, v in wanted}
+        dx, dy = next(d for d in sorted(shifts) if {(x - d[0], y - d[1]) for x, y in kept} <= set(wanted))
+        notes.append(f"the structure is built {dx} cells to the right and {dy} up, beside what lies in its place")
+    return notes
+
+
+def _cell(row: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> tuple[int, int]:
+    return int(row[0]), int(row[1])

@@ -1,0 +1,1 @@
+"""Assembly of docking boats: the vocabulary that mission computer, boats and world share."""

@@ -1,0 +1,104 @@
+"""Who must leave a place before whom: the order in timed paths that boats keep, whatever the clock says.
+
+A group leaves for its next cells when everybody who was too near to them at this step or before has gone. A wait for a
+step that lies behind is always over some day; groups that wait for each other's *same* step could wait in a ring, and
+such paths are no plan.
+"""
+
+from __future__ import annotations
+
+import graphlib
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from swarm_msgs_py.assembly.plan import AssemblyTree, Dispatch, TimedPaths
+from swarm_msgs_py.assembly.problem import CLEARANCE, AssemblyProblem
+from swarm_msgs_py.types import IntArray
+
+Crew = tuple[int, ...]
+
+
+def crews_of(
+    problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths, boat: int
+) -> list[Crew]:
+    """Return the docked group of a boat at each step, ascending: the largest node that stands as in the structure."""
+    shifts = paths.cells[:, list(dispatch.boats)] - np.array(problem.targets)
+    node = tree.leaf_of()[dispatch.boats.index(boat)]
+    found = []
+    for row in shifts:
+        while node > 0:
+            larger = row[list(tree.nodes[tree.nodes[node].parent].targets)]
+            if (larger != larger[0]).any():
+                break
+            node = tree.nodes[node].parent
+        found.append(tuple(sorted(dispatch.boats[target] for target in tree.nodes[node].targets)))
+    return found
+
+
+def nodes_at(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, cells: IntArray) -> list[int]:
+    """Return the node of each docked group when boats stand at `cells` (n, 2), largest groups that stand whole."""
+    shifts = cells[list(dispatch.boats)] - np.array(problem.targets)
+    groups, border = [], [0]
+    while border:
+        number = border.pop()
+        node = tree.nodes[number]
+        rows = shifts[list(node.targets)]
+        if (rows == rows[0]).all():
+            groups.append(number)
+        else:
+            border.extend(node.children)
+    return sorted(groups)
+
+
+def needed_steps(crews: list[Crew], cells: IntArray, others: IntArray, boat: int, step: int) -> dict[int, int]:
+    """Return the steps that other boats must have reached before the group of a boat leaves for ``step + 1``.
+
+    Parameters
+    ----------
+    crews : list of Crew
+        Group of the boat at each step.
+    cells : (steps + 1, n, 2) int array
+    others : (k,) int array
+        All boats with a target.
+    boat, step : int
+    """
+    crew = list(crews[step])
+    others = others[~np.isin(others, crew)]
+    needed = {member: step for member in crew if member != boat}
+    partners = set(crews[step + 1]) - set(crew)
+    places = cells[step + 1, crew]
+    then = cells[: step + 1, others]
+    near = (np.abs(then[:, :, None] - places[None, None]).max(axis=3) < CLEARANCE).any(axis=2)
+    for number, other in enumerate(others.tolist()):
+        steps = np.flatnonzero(near[:, number])
+        if other in partners:
+            needed[other] = step  # the last step before docking is made together
+        elif len(steps):
+            needed[other] = int(steps[-1]) + 1
+    return needed
+
+
+def waits_in_ring(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths) -> bool:
+    """Return whether boats that keep the order of the paths could come to wait for each other forever."""
+    movers = np.array(sorted(dispatch.boats))
+    for step in range(paths.steps):
+        before, after = paths.cells[step], paths.cells[step + 1]
+        group_of = np.full(problem.boat_count, -1)
+        for number in nodes_at(problem, dispatch, tree, before):
+            group_of[[dispatch.boats[target] for target in tree.nodes[number].targets]] = number
+        joined = np.full(problem.boat_count, -1)
+        for number in nodes_at(problem, dispatch, tree, after):
+            joined[[dispatch.boats[target] for target in tree.nodes[number].targets]] = number
+        graph: dict[int, set[int]] = {}
+        near = cKDTree(after[movers]).query_ball_tree(cKDTree(before[movers]), CLEARANCE - 0.5, p=np.inf)
+        for row, hits in enumerate(near):
+            mine = movers[row]
+            for other in movers[hits]:
+                if group_of[mine] != group_of[other] and joined[mine] != joined[other]:
+                    graph.setdefault(int(group_of[mine]), set()).add(int(group_of[other]))
+        try:
+            graphlib.TopologicalSorter(graph).prepare()
+        except graphlib.CycleError:
+            return True
+    return False

@@ -1,0 +1,1 @@
+"""The assembly family behind the seam of `bringup.family`."""

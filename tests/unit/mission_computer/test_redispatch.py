@@ -1,0 +1,75 @@
+"""Plans for the rest of an assembly: docked groups stay together, free boats are dispatched anew."""
+
+from dataclasses import replace
+
+import pytest
+from assembly_problems import ALL_SIDES, block, problem_of
+
+from mission_computer.assembly.redispatch import Midway, plan_rest
+from mission_computer.assembly.timed_plan import TimedLimits
+from swarm_msgs_py.assembly.plan import AssemblyPlan, Dispatch
+from swarm_msgs_py.assembly.problem import AssemblyProblem
+from swarm_msgs_py.errors import NoDispatchError
+from swarm_sim.metrics.assembly import audit_assembly
+
+LIMITS = TimedLimits(attempts=4)
+SQUARE = block(2, 2)  # targets 0 lower left, 1 upper left, 2 lower right, 3 upper right
+
+
+def midway(starts: list[tuple[int, int]], groups: tuple[tuple[int, ...], ...], dead: frozenset[int]) -> Midway:
+    problem = problem_of(SQUARE, [ALL_SIDES] * len(starts))
+    stopped = replace(problem, starts=tuple(starts), is_midway=True)
+    return Midway(stopped, Dispatch((0, 1, 2, 3), (0,) * 4), groups, dead)
+
+
+def checked(rest: tuple[AssemblyProblem, AssemblyPlan]) -> tuple[AssemblyProblem, AssemblyPlan]:
+    problem, plan = rest
+    assert plan.paths is not None
+    audit = audit_assembly(problem, plan.dispatch, plan.paths.cells)
+    assert not [line for line in audit.violations if not line.startswith("step 0")]
+    assert audit.components == 1
+    return problem, plan
+
+
+def test_a_docked_pair_moves_on_as_one_and_keeps_its_places() -> None:
+    problem, plan = checked(plan_rest(midway([(5, 5), (5, 6), (20, 5), (20, 12)], ((0, 1),), frozenset()), 1, LIMITS))
+
+    assert plan.paths is not None
+    assert plan.dispatch.boats[:2] == (0, 1)
+    assert plan.dispatch.turns[:2] == (0, 0)
+    cells = plan.paths.cells
+    assert ((cells[:, 1] - cells[:, 0]) == (0, 1)).all()
+    assert problem.target_count == 4
+    assert (0, 1) in [tuple(sorted(node.targets)) for node in plan.tree.nodes if not node.children]
+
+
+def test_a_spare_boat_replaces_a_dead_one() -> None:
+    starts = [(5, 5), (5, 10), (20, 5), (20, 12), (25, 25)]
+    problem, plan = checked(plan_rest(midway(starts, (), frozenset({2})), 1, LIMITS))
+
+    assert problem.target_count == 4
+    assert sorted(plan.dispatch.boats) == [0, 1, 3, 4]
+
+
+def test_without_a_spare_as_many_places_as_possible_are_kept() -> None:
+    starts = [(5, 5), (5, 10), (20, 5), (20, 12)]
+    problem, plan = checked(plan_rest(midway(starts, (), frozenset({2})), 1, LIMITS))
+
+    assert problem.target_count == 3
+    assert sorted(plan.dispatch.boats) == [0, 1, 3]
+
+
+def test_nothing_is_planned_where_no_boat_can_dock() -> None:
+    lost = midway([(5, 5), (5, 10), (20, 5), (20, 12)], (), frozenset({0, 1, 2, 3}))
+
+    with pytest.raises(NoDispatchError, match="nothing can be added"):
+        plan_rest(lost, 1, LIMITS)
+
+
+def test_the_structure_is_built_beside_a_dead_boat_that_lies_in_its_place() -> None:
+    starts = [(5, 5), (5, 6), (12, 12), (20, 5), (20, 12)]
+    problem, plan = checked(plan_rest(midway(starts, ((0, 1),), frozenset({2})), 1, LIMITS))
+
+    assert problem.target_count == 4
+    assert set(problem.targets) == {(x, y + 2) for x, y in SQUARE}
+    assert sorted(plan.dispatch.boats) == [0, 1, 3, 4]
