@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import assembly_maps
+import assembly_pool
 import assignment
 import bench_agent
 import bench_forces
@@ -25,8 +27,9 @@ from source_tree import ROOT
 PARTS = {"drawing", "result_file", "robustness_report", "robustness_watch", "tables"}
 """What is no benchmark by itself."""
 RUN_HERE = (
-    *(assignment, bench_agent, bench_forces, bench_mesh, bench_vision, bench_world, camera_arena),
-    *(force_formations, formation, mesh_delivery, moving_shapes, partition_quality, robustness, thesis_comparison),
+    *(assembly_maps, assembly_pool, assignment, bench_agent, bench_forces, bench_mesh, bench_vision, bench_world),
+    *(camera_arena, force_formations, formation, mesh_delivery, moving_shapes, partition_quality, robustness),
+    thesis_comparison,
 )
 
 
@@ -137,6 +140,16 @@ def test_a_batch_is_set_beside_the_thesis(capsys: pytest.CaptureFixture[str], tm
 
     assert thesis_comparison.main([str(tmp_path)]) == 0
     assert "| fractals | displacement |" in capsys.readouterr().out
+
+
+def test_boats_assemble_on_the_grid(capsys: pytest.CaptureFixture[str]) -> None:
+    assert assembly_maps.main(["--maps", "1", "--seeds", "1"]) == 0
+    assert "| map_1 | genderless | 1 of 1 |" in capsys.readouterr().out
+
+
+def test_boats_assemble_in_the_pool(capsys: pytest.CaptureFixture[str]) -> None:
+    assert assembly_pool.main(["--maps", "boats_4_line", "--bodies", "planar", "--seeds", "1"]) == 0
+    assert "| " in capsys.readouterr().out
 
 
 def test_no_benchmark_is_left_out() -> None:
