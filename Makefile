@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench build clean venv
+.PHONY: help run test test-parts test-whole check bench docs build clean venv
 
 VENV := .venv
 VENV_PYTHON := $(VENV)/bin/python
@@ -45,8 +45,21 @@ help: ## list the targets
 run: $(LINKED) ## run the demo: twelve robots form a shape (ARGS: see scripts/launch_swarm.py --help)
 	@$(VENV_PYTHON) scripts/launch_swarm.py $(ARGS)
 
-test: $(LINKED) ## run every test, ROS and whole-system tests last
+# Two streams side by side, because the suite is long: what takes a core, and what mostly waits for processes.
+STREAM := --no-print-directory --jobs=2 $(if $(CI),--output-sync=target)
+
+test: $(LINKED) ## run every test, or those that ARGS names
+ifeq ($(strip $(ARGS)),)
+	@$(MAKE) $(STREAM) test-parts test-whole
+else
 	@$(PYTEST) $(ARGS)
+endif
+
+test-parts:
+	@$(PYTEST) --quiet tests/unit tests/property tests/contract $(wildcard tests/test_*.py)
+
+test-whole:
+	@$(PYTEST) --quiet tests/scenario tests/ros tests/system
 
 check: $(LINKED) ## format, lint, types and the fast tests
 	@$(VENV_PYTHON) -m ruff format --check .
@@ -57,6 +70,9 @@ check: $(LINKED) ## format, lint, types and the fast tests
 bench: $(LINKED) ## measure speed and quality of formation-50 on both engines, then single parts; prints tables
 	@$(VENV_PYTHON) benchmarks/formation.py $(ARGS)
 	@for part in benchmarks/bench_*.py; do echo; echo "### $$part"; PYTHONPATH=scripts $(VENV_PYTHON) "$$part"; done
+
+docs: $(LINKED) ## build the documentation site into build/site
+	@NO_MKDOCS_2_WARNING=1 $(VENV_PYTHON) -m mkdocs build --quiet --strict
 
 build: $(LINKED) ## build the ROS workspace with colcon
 	@cd ros_ws && PATH="$(abspath $(VENV))/bin:$$PATH" colcon build $(ARGS)

@@ -7,6 +7,7 @@ import socket
 from collections.abc import Iterator
 from pathlib import Path
 
+import chromium
 import pytest
 from hypothesis import settings
 
@@ -25,22 +26,31 @@ settings.load_profile("reproducible")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the marker of tests outside ``ros/`` that start ROS nodes."""
+    """Declare the markers of tests that need what not every machine has."""
     config.addinivalue_line("markers", "needs_ros: starts ROS nodes; skipped where rclpy is not installed")
+    config.addinivalue_line("markers", "needs_browser: opens pages in Chromium; skipped where there is none")
 
 
-def pytest_report_header() -> str:
-    """Return the line that says whether ROS tests take part."""
-    return "ROS 2: found" if HAS_ROS else "ROS 2: rclpy is not installed; tests/ros is left out, needs_ros tests skip"
+def pytest_report_header() -> list[str]:
+    """Return the lines that say whether tests with ROS and with a browser take part."""
+    ros = "found" if HAS_ROS else "rclpy is not installed; tests/ros is left out, needs_ros tests skip"
+    browser = chromium.executable() or "none; needs_browser tests skip (install one, or name it in CHROMIUM)"
+    return [f"ROS 2: {ros}", f"Chromium: {browser}"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Order the tests by folder, and skip those that need ROS where there is none."""
+    """Order the tests by folder, and skip those that need what is not there."""
     items.sort(key=lambda item: _rank(item.path))
     if not HAS_ROS:
-        for item in items:
-            if item.get_closest_marker("needs_ros"):
-                item.add_marker(pytest.mark.skip(reason="rclpy is not installed"))
+        _skip(items, "needs_ros", "rclpy is not installed")
+    if chromium.executable() is None:
+        _skip(items, "needs_browser", "there is no Chromium")
+
+
+def _skip(items: list[pytest.Item], marker: str, reason: str) -> None:
+    for item in items:
+        if item.get_closest_marker(marker):
+            item.add_marker(pytest.mark.skip(reason=reason))
 
 
 def _rank(path: Path) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 from bringup.cli import main
 
-FILES = ["figure.png", "metrics.json", "scenario.yaml", "trajectories.npz"]
+FILES = ["figure.png", "metrics.json", "report.html", "scenario.yaml", "trajectories.npz"]
 FAST = ("--engine", "inprocess", "--physics", "massdamper")
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 

@@ -8,6 +8,7 @@ import importlib
 import re
 import shlex
 import sys
+import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,16 +19,24 @@ from source_tree import PACKAGES, ROOT, SRC, Module, imported_packages, is_ros, 
 from batches import arguments as batch_arguments
 from batches.cells import cells
 from bringup import arguments
+from bringup.formation_kind import METHODS, FormationKind
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_any, load_scenario, parse_assignment
+from docs_site.reference import PATHS
+from previews import shape_cli
+from recording import replay_cli
+from reports import plot_cli
 from studies import coverage_experiments, lps_arguments
 from swarm_msgs_py.config import full_key
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.extensions import PARTITION_METHODS
 
 REQUIREMENTS = sorted((ROOT / "requirements").glob("*.txt"))
 PIN = re.compile(r"[a-z0-9][a-z0-9-]*==[0-9][0-9a-z.]*")
 
 ROSDEP_KEYS = {
+    "PIL": "python3-pil",
+    "contourpy": "python3-matplotlib",  # which brings it
     "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",
     "numpy": "python3-numpy",
@@ -35,12 +44,19 @@ ROSDEP_KEYS = {
     "pybullet": "python3-pybullet-pip",
     "scipy": "python3-scipy",
     "shapely": "python3-shapely",
+    "svgelements": "python3-svgelements-pip",
     "trimesh": "python3-trimesh-pip",
     "yaml": "python3-yaml",
 }
 """Name to import -> key in the rosdep database."""
 
-INDEX_NAMES = {"cv2": "opencv-python-headless", "yaml": "PyYAML"}
+INDEX_NAMES = {
+    "PIL": "pillow",
+    "cv2": "opencv-python-headless",
+    "foxglove": "foxglove-sdk",
+    "imageio_ffmpeg": "imageio-ffmpeg",
+    "yaml": "PyYAML",
+}
 """Name to import -> name on the package index, where they differ."""
 
 
@@ -120,6 +136,9 @@ def test_every_make_target_in_the_documents_exists() -> None:
 
 
 def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    methods = (*METHODS, *example_methods())  # as where the examples are installed
+    monkeypatch.setattr(FormationKind, "methods", methods)
+    monkeypatch.setattr(shape_cli, "METHODS", methods)
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     commands = [found for words in [*document_commands(), *inline_commands()] if (found := script_command(words))]
 
@@ -143,8 +162,11 @@ def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.Monke
         "scripts/monte_carlo.py --method bubbles",
         "scripts/monte_carlo.py --seeds many",
         "scripts/no_such_script.py",
+        "scripts/shape.py formation_1 --method nothing",
         "benchmarks/formation.py --nonsense",
         "benchmarks/robustness.py nonsense",
+        "scripts/plot_run.py RUN --fsp 3",
+        "scripts/replay.py RUN --rate fast",
         "benchmarks/robustness.py --set radio.lost=0.1",
         "benchmarks/mesh_delivery.py --seeds many",
         "benchmarks/bench_world.py --nonsense",
@@ -162,11 +184,12 @@ def test_a_command_with_a_mistake_would_be_found(line: str, monkeypatch: pytest.
 
 
 def test_links_between_documents_lead_somewhere() -> None:
+    generated = {(ROOT / "docs" / page).resolve() for page in PATHS}
     broken = [
         f"{path.relative_to(ROOT)} -> {target}"
         for path in documents()
         for target in re.findall(r"\]\((?!https?:)([^)#\s]+)", path.read_text(encoding="utf-8"))
-        if not (path.parent / target).exists()
+        if not (path.parent / target).exists() and (path.parent / target).resolve() not in generated
     ]
 
     assert broken == []
@@ -225,6 +248,12 @@ def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None
         take_launch([word for word in words if word not in {"--help", "key=value"}])
     elif script == "scripts/lps_study.py":
         lps_arguments.parse_arguments(words)
+    elif script == "scripts/plot_run.py":
+        plot_cli.parse_arguments(words or ["RUN"])
+    elif script == "scripts/replay.py":
+        replay_cli.parse_arguments(words or ["RUN"])
+    elif script == "scripts/shape.py":
+        shape_cli.parse_arguments([word for word in words if word != "--help"])
     elif script == "scripts/coverage_study.py":
         coverage_experiments.parsed(words)
     elif script == "scripts/monte_carlo.py":
@@ -278,6 +307,14 @@ def parsed_by(module: str, words: Sequence[str], monkeypatch: pytest.MonkeyPatch
     finally:
         monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse)
     return parsed.value.given
+
+
+def example_methods() -> list[str]:
+    """Return the names of the partition methods that the examples add."""
+    projects = [
+        tomllib.loads(path.read_text("utf-8"))["project"] for path in (ROOT / "examples").glob("*/pyproject.toml")
+    ]
+    return sorted(name for project in projects for name in project["entry-points"][PARTITION_METHODS])
 
 
 def foreign(package: str) -> set[str]:

@@ -14,7 +14,7 @@ from bringup.arguments import SEED_MAX
 from bringup.family import Family
 from bringup.formation_kind import METHODS
 from bringup.option_types import OneLineParser, choice, folder, whole
-from bringup.scenario_file import FORCE_TASKS, ROBOT_COUNT, Override, parse_assignment, scenario_names
+from bringup.scenario_file import ROBOT_COUNT, Override, parse_assignment, scenario_names
 from swarm_msgs_py.messages.bodies import Objective
 from swarm_msgs_py.partition import Method
 from swarm_sim.config import Backend
@@ -115,7 +115,7 @@ def _make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--scenario", metavar="NAME|FILE", nargs="+", type=_named, default=[DEFAULT_SCENARIO],
         help=f"what to run (default: {DEFAULT_SCENARIO}: exact positions, ideal radio)")  # fmt: skip
-    add("--method", metavar="M", nargs="+", type=choice(Method, *FORCE_TASKS), default=[],
+    add("--method", metavar="M", nargs="+", type=choice(Method, *METHODS[len(Method) :]), default=[],
         help=f"methods to compare, of {', '.join(METHODS)}; differences are from the first (default: the scenario's)",
     )  # fmt: skip
     add("--shape", metavar="NAME|FILE", nargs="+", type=_named, default=[],

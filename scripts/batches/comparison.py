@@ -61,6 +61,10 @@ class Comparison:
         """Return how many runs of a cell settled, of how many."""
         return f"{len(self.values(cell, SETTLED))}/{self.count(cell)}"
 
+    def all_settled(self, cell: Cell) -> bool:
+        """Return whether every run of a cell settled."""
+        return len(self.values(cell, SETTLED)) == self.count(cell)
+
     def values(self, cell: Cell, quantity: Quantity) -> dict[int, float]:
         """Return one number of a cell by seed, of the runs that have it."""
         found = {seed: value_of(quantity, record) for seed, record in self._records[cell.key].items()}

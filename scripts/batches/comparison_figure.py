@@ -15,7 +15,7 @@ from batches.cells import Cell
 from batches.comparison import Comparison
 from batches.estimates import LEVEL
 from batches.quantities import OF_SETTLED, QUANTITIES, SHARE, Quantity
-from bringup.figure import TYPE_COLORS
+from reports.palette import TYPE_COLORS
 
 WIDTH_IN, HEIGHT_IN, DPI = 13.0, 7.2, 150
 COLUMNS = 3
@@ -59,11 +59,12 @@ def comparison_figure(comparison: Comparison) -> bytes | None:
 
 def _draw_boxes(axes: Axes, comparison: Comparison, quantity: Quantity) -> None:
     is_of_settled = quantity.name in OF_SETTLED
-    axes.set_title(f"{quantity.label}; above: settled/runs" if is_of_settled else quantity.label, fontsize=MEDIUM)
-    if is_of_settled:
+    unsettled = [cell for cell in comparison.cells if is_of_settled and not comparison.all_settled(cell)]
+    axes.set_title(f"{quantity.label}; above: settled/runs" if unsettled else quantity.label, fontsize=MEDIUM)
+    if unsettled:
         axes.margins(y=0.12)
     for cell, place, width in _columns(comparison):
-        if is_of_settled:
+        if cell in unsettled:
             label, above = comparison.settled(cell), axes.get_xaxis_transform()  # in places across, in shares upwards
             axes.text(place, 0.99, label, ha="center", va="top", fontsize=TINY, transform=above)
         values = np.array(list(comparison.values(cell, quantity).values()))

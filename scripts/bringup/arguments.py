@@ -23,6 +23,7 @@ from swarm_msgs_py.errors import ConfigError
 from swarm_sim.config import Backend
 
 DEMO = "demo"
+LIVE_PORT = 8765  # Foxglove's own default
 SEED_MAX = 2**32 - 1
 
 
@@ -33,12 +34,22 @@ class EngineKind(Enum):
     INPROCESS = "inprocess"
 
 
+class Task(Enum):
+    """What the launcher is to do."""
+
+    RUN = "run"
+    EXPLAIN = "explain"
+    LIST = "list"
+
+
 @dataclass(frozen=True, slots=True)
 class Arguments:
     """What the operator asked for.
 
     Attributes
     ----------
+    task : Task
+        Run the scenario, print it in full, or list the ready-made ones.
     scenario : str
         Name of a ready-made scenario, or a file.
     overrides : tuple of Override
@@ -48,6 +59,12 @@ class Arguments:
         None for what was measured best.
     real_time : bool
         Pace ticks by the wall clock.
+    record : bool
+        Record all topics into the run folder.
+    dashboard : bool
+        Show every robot in the terminal while the run goes on.
+    live : int or None
+        Port on which the run is shown to Foxglove, None for not at all.
     out : Path or None
         Folder for the results, None for a new one under ``runs/``.
     json : bool
@@ -56,11 +73,15 @@ class Arguments:
         Film what the overhead camera sees.
     """
 
+    task: Task
     scenario: str
     overrides: tuple[Override, ...]
     engine: EngineKind
     agents_per_process: int | None
     real_time: bool
+    record: bool
+    dashboard: bool
+    live: int | None
     out: Path | None
     json: bool
     show: bool = False
@@ -79,16 +100,20 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
     parser = _make_parser()
     given = parser.parse_args(argv)
     engine = EngineKind(given.engine)
-    if given.record:
-        raise ConfigError("--record: recordings are not part of this version; leave the option out")
+    if given.record and engine is not EngineKind.ROS:
+        raise ConfigError("--record: only the ros engine has topics to record; leave it out or use --engine ros")
     if given.agents_per_process is not None and engine is not EngineKind.ROS:
         raise ConfigError("--agents-per-process: only the ros engine has processes; leave it out or use --engine ros")
     return Arguments(
+        task=Task.LIST if given.list_scenarios else Task.EXPLAIN if given.explain else Task.RUN,
         scenario=given.scenario,
         overrides=_overrides(given),
         engine=engine,
         agents_per_process=given.agents_per_process,
         real_time=given.real_time,
+        record=given.record,
+        dashboard=given.dashboard,
+        live=given.live,
         out=given.out,
         json=given.json,
         show=given.show,
@@ -105,7 +130,9 @@ def _make_parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("--scenario", metavar="NAME|FILE", default=DEMO, help="what to run (default: %(default)s)")
-    add("--shape", metavar="NAME|FILE", help="form this shape instead of the scenario's")
+    add("--shape", metavar="NAME|FILE|text:TEXT",
+        help="form this shape instead of the scenario's: of the library, from GeoJSON, SVG, a picture or points, or a "
+        "text; scripts/shape.py previews it")  # fmt: skip
     add("--map", metavar="NAME|FILE", help="in this arena instead of the scenario's")
     methods = "; ".join(f"{family.value}: {', '.join(kind.methods)}" for family, kind in KINDS.items())
     add("--method", metavar="M", help=f"how the shape is formed ({methods})")
@@ -116,9 +143,16 @@ def _make_parser() -> argparse.ArgumentParser:
     add("--physics", metavar="BACKEND", type=choice(Backend), help="bullet or massdamper")
     add("--agents-per-process", metavar="K", type=whole(1, 1000), help="agent nodes in one operating-system process")
     add("--real-time", action="store_true", help="pace ticks by the wall clock")
-    add("--record", action="store_true", help="record all topics (not in this version)")
+    add("--record", action="store_true", help="record all topics into DIR/recording (MCAP)")
     add("--show", action="store_true", help="film what the overhead camera sees, as camera.mp4 in the run's folder")
+    add("--dashboard", action="store_true",
+        help="show every robot in the terminal: mode, distance to its goal, localization error, links")  # fmt: skip
+    add("--live", metavar="PORT", nargs="?", const=LIVE_PORT, type=whole(0, 65535),
+        help="show the run in a browser: Foxglove opens ws://localhost:PORT (default: %(const)s)")  # fmt: skip
     add("--out", metavar="DIR", type=folder, help="new or empty folder (default: runs/<time>-<scenario>-<seed>)")
+    add("--list-scenarios", action="store_true", help="list the ready-made scenarios, and end")
+    add("--explain", action="store_true",
+        help="print the scenario, resolved: every setting with its unit and meaning; and end")  # fmt: skip
     add("--json", action="store_true", help="print the metrics, and nothing else, on standard output")
     add("--set", metavar="KEY=VALUE", action="append", default=[],
         help="change one setting of the scenario; the end of its key is enough where it is unique")  # fmt: skip

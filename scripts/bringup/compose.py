@@ -58,6 +58,12 @@ class ScenarioActors:
         return self.scenario.sim.period_s
 
     @property
+    def image_hz(self) -> float | None:
+        """How many images a second an overhead camera takes; None without one."""
+        camera = self.scenario.sim.camera
+        return camera.rate_hz if camera.is_on else None
+
+    @property
     def world_config(self) -> SimConfig:
         """Settings of the world; it ranges as often and as robots localize unless the scenario says otherwise."""
         sim, lps = self.scenario.sim, self.scenario.agent.lps
@@ -100,7 +106,9 @@ class ScenarioActors:
 
     def simulation(self) -> Simulation:
         """Make the world at tick 0."""
-        return Simulation(self.world_config, self.scene, self.scenario.seed, self.scenario.deaths)
+        return Simulation(
+            self.world_config, self.scene, self.scenario.seed, self.scenario.deaths, self.scenario.arrivals
+        )
 
     def mission(self) -> Mission:
         """Make the mission computer; it is ordered the scenario's shapes."""

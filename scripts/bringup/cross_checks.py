@@ -14,6 +14,7 @@ from mission_computer.plan_making import PlanMaker
 from swarm_agent.decision.homing import home_point
 from swarm_agent.planning.path_planner import planner_for
 from swarm_msgs_py.errors import ConfigError, FrameError
+from swarm_msgs_py.extensions import STRATEGIES, extension
 from swarm_msgs_py.messages.bodies import UNREACHABLE, Plan
 from swarm_msgs_py.robots import RobotType
 from swarm_msgs_py.roster import Roster
@@ -55,6 +56,18 @@ def check_margins(scenario: Scenario) -> None:
             f"mission.partition.gaps.robot_m ({gap:g} m) must be more than twice agent.control.avoidance.margin_m "
             f"({margin:g} m), else robots stop before their goals; raise the one or lower the other"
         )
+
+
+def check_extensions(scenario: Scenario) -> None:
+    """Refuse a decision method that no installed package adds.
+
+    Raises
+    ------
+    ConfigError
+        With the nearest name.
+    """
+    if scenario.agent.decision.strategy is not None:
+        extension(STRATEGIES, scenario.agent.decision.strategy)
 
 
 def check_camera(scenario: Scenario) -> None:
@@ -102,9 +115,28 @@ def check_events(scenario: Scenario) -> None:
             if robot in seen:
                 raise ConfigError(f"events[{number}].kill: {name} is killed twice; remove it here or there")
             seen.add(robot)
+    for number, event in enumerate(scenario.events):
+        for robot in event.add:
+            _check_addition(scenario, number, robot)
     stops = [number for number, event in enumerate(scenario.events) if event.stop is not None]
     if len(stops) > 1:
         raise ConfigError(f"events[{stops[1]}].stop: the mission computer is stopped twice; remove it here or there")
+
+
+def _check_addition(scenario: Scenario, number: int, robot: int) -> None:
+    """Refuse a robot that is not there, is added twice, or dies at the time or later."""
+    name = robot_name(NodeId(robot))
+    if robot >= scenario.robots.count:
+        raise ConfigError(
+            f"events[{number}].add: there is no {name}; the robots are r00 to {_last_of(scenario.robots.count)}"
+        )
+    if sum(event.add.count(robot) for event in scenario.events) > 1:
+        raise ConfigError(f"events[{number}].add: {name} is added twice; remove it here or there")
+    at_s = scenario.events[number].at_s
+    if any(robot in event.kill and event.at_s >= at_s for event in scenario.events):
+        raise ConfigError(
+            f"events[{number}].add: {name} is killed then, or later; a robot may come back, but not die after"
+        )
 
 
 def _last_of(count: int) -> str:

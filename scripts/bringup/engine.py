@@ -92,6 +92,11 @@ class Actors(Protocol):
         ...
 
     @property
+    def image_hz(self) -> float | None:
+        """How many images a second an overhead camera takes; None without one."""
+        ...
+
+    @property
     def world_config(self) -> Config:
         """Settings of the world, as its node declares them."""
         ...
@@ -163,12 +168,15 @@ class Engine(Protocol):
     startup_s: float
     """Wall time from start to the first tick [s]."""
 
+    notes: tuple[str, ...]
+    """What the operator should read after the run, a line each; complete once the engine has stopped."""
+
     def __enter__(self) -> Engine:
         """Start everything and return when the first tick can run."""
         ...
 
     def __exit__(self, *error: object) -> None:
-        """Stop everything that was started; returns within 3 s, also after Ctrl-C."""
+        """Stop everything that was started; returns within 3 s, also after Ctrl-C, or once a recording is finished."""
         ...
 
     def ticks(self) -> Iterator[TickRecord[Any, Any]]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from bringup.engine import Actors, TickRecord
 from bringup.origin import Origin, Override
+from bringup.scene import Scenes
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.config import Config
 
@@ -34,6 +35,11 @@ class AnyScenario(Protocol):
     @property
     def name(self) -> str:
         """Name of the scenario; also part of the run folder's name."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """What it shows, in a line."""
         ...
 
     @property
@@ -118,7 +124,7 @@ class Account(Protocol):
         ...
 
     def arrays(self) -> Mapping[str, np.ndarray]:
-        """Return what ``trajectories.npz`` holds, by name; SI units."""
+        """Return what ``trajectories.npz`` holds, by name; SI units (`reports.run_record` says what it must)."""
         ...
 
     def figure(self, metrics: Metrics) -> bytes:
@@ -188,8 +194,8 @@ class Behavior(Protocol):
         """Return what makes the actors of a resolved scenario."""
         ...
 
-    def film_hz(self, scenario: Any) -> float | None:
-        """Return how many images a second there are to film; None without a camera."""
+    def scenes(self, scenario: Any) -> Scenes:
+        """Return what turns the ticks of a resolved scenario into what onlookers see."""
         ...
 
     def account(self, scenario: Any) -> Account:

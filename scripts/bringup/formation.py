@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 
 from bringup.compose import ScenarioActors
 from bringup.engine import FormationRecord
 from bringup.family import Metrics
+from bringup.formation_scenes import FormationScenes
+from bringup.history import History
 from bringup.installation import check_physics
 from bringup.origin import Origin
 from bringup.resolution import resolve
 from bringup.results import FormationMetrics, Outcome, formation_metrics
-from bringup.run_folder import trajectory_arrays
 from bringup.scenario import Scenario
+from bringup.scenario_file import dump_scenario
 from bringup.supervisor import Supervisor
+from bringup.trajectories import trajectory_arrays
 from bringup.verdict import Timing, Verdict
+from reports.run_record import RunRecord
 from swarm_msgs_py.types import NodeId
 from swarm_sim.metrics.trace import TraceRecorder
 
 
 class FormationAccount:
-    """Implements `bringup.family.Account`: a recorder of motion and a supervisor.
+    """Implements `bringup.family.Account`: a recorder of motion, a supervisor, and a history for viewers.
 
     Parameters
     ----------
@@ -35,12 +39,18 @@ class FormationAccount:
         self._scenario = scenario
         robots = tuple(NodeId(robot) for robot in range(scenario.robots.count))
         self.recorder = TraceRecorder(robots, scenario.sim.period_s)
-        self.supervisor = Supervisor(robots, scenario.success, scenario.sim.period_s, scenario.duration_s)
+        complete_s = max(scenario.arrivals.values(), default=0) * scenario.sim.period_s
+        self.supervisor = Supervisor(
+            robots, scenario.success, scenario.sim.period_s, scenario.duration_s, complete_s=complete_s
+        )
+        self.history = History()
 
     def take(self, record: FormationRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
         self.recorder.record(record.truth, record.reports, record.camera)
-        return self.supervisor.watch(record)
+        verdict = self.supervisor.watch(record)
+        self.history.record(replace(record, alerts=(*record.alerts, *self.alerts)), self.supervisor.course)
+        return verdict
 
     @property
     def ticks(self) -> int:
@@ -69,20 +79,21 @@ class FormationAccount:
 
     def metrics(self, engine: str, verdict: Verdict, timing: Timing) -> Metrics:
         """Evaluate the run, finished or not."""
-        found = formation_metrics(self._scenario, engine, Outcome(self.recorder, self.supervisor, verdict, timing))
+        outcome = Outcome(self.recorder, self.supervisor, verdict, timing)
+        found = formation_metrics(self._scenario, engine, outcome)
         return Metrics(asdict(found), tuple(_rows(found)))
 
     def arrays(self) -> Mapping[str, np.ndarray]:
-        """Return what ``trajectories.npz`` holds; see `bringup.run_folder.trajectory_arrays`."""
-        return trajectory_arrays(self._scenario, self.recorder.trace(), self.supervisor.plan)
+        """Return what ``trajectories.npz`` holds; see `bringup.trajectories.trajectory_arrays`."""
+        return trajectory_arrays(self._scenario, self.recorder, self.supervisor.plan, self.history)
 
     def figure(self, metrics: Metrics) -> bytes:
         """Return the picture of the run as PNG."""
         # Drawing takes a second to import; a run that was interrupted has no time for it.
-        from bringup.figure import run_figure  # noqa: PLC0415
+        from reports.figures import encoded, make_figure  # noqa: PLC0415
 
-        found = FormationMetrics(**metrics.values)
-        return run_figure(self._scenario, self.recorder.trace(), self.supervisor.plan, found)
+        record = RunRecord(metrics.values, dump_scenario(self._scenario), self.arrays())
+        return encoded(make_figure(record, "overview"), "png")
 
 
 class FormationBehavior:
@@ -100,9 +111,9 @@ class FormationBehavior:
         """Return what makes the actors of a resolved scenario."""
         return ScenarioActors(scenario)
 
-    def film_hz(self, scenario: Scenario) -> float | None:
-        """Return how many images a second there are to film; None without a camera."""
-        return scenario.sim.camera.rate_hz if scenario.sim.camera.is_on else None
+    def scenes(self, scenario: Scenario) -> FormationScenes:
+        """Return what turns the ticks of a resolved scenario into what onlookers see."""
+        return FormationScenes(scenario)
 
     def account(self, scenario: Scenario) -> FormationAccount:
         """Return the account of a run of a resolved scenario that is about to begin."""

@@ -10,8 +10,9 @@ from typing import Any
 from bringup.family import Family
 from bringup.origin import Override
 from bringup.scenario import Scenario, rescaled_counts
-from mission_computer.shape import library_names
+from mission_computer.shape import TEXT_PREFIX, library_names
 from swarm_msgs_py.config import Config
+from swarm_msgs_py.extensions import PARTITION_METHODS, extension_names
 from swarm_msgs_py.messages.bodies import Task
 from swarm_msgs_py.partition import Method
 from swarm_msgs_py.robots import THESIS_TYPES
@@ -19,9 +20,11 @@ from swarm_msgs_py.robots import THESIS_TYPES
 FORCE_TASKS = tuple(task.value for task in Task if not task.has_goals)
 """Methods that are no partition of the shape."""
 
+OWN_METHODS = tuple(method.value for method in Method)
+"""Partition methods of this project."""
 
-METHODS = (*(method.value for method in Method), *FORCE_TASKS)
-"""Methods as the command line names them."""
+METHODS = (*OWN_METHODS, *FORCE_TASKS, *extension_names(PARTITION_METHODS))
+"""Methods as the command line names them: partitions, forces, and what installed packages add."""
 
 
 class FormationKind:
@@ -61,7 +64,12 @@ class FormationKind:
             group["count"] = share
 
     def shape_override(self, source: str) -> Override:
-        """Return the override of ``--shape``: a library name or a file; it replaces the shape with its placement."""
+        """Return the override of ``--shape``: a library name, a file or ``text:`` with a text.
+
+        It replaces the scenario's shape together with its placement.
+        """
+        if source.startswith(TEXT_PREFIX):
+            return Override(f"--shape {source}", "shape", {"text": source.removeprefix(TEXT_PREFIX)})
         return Override(f"--shape {source}", "shape", named_or_file(source, library_names()))
 
     def map_override(self, source: str) -> Override:
@@ -78,7 +86,10 @@ class FormationKind:
         flag = f"--method {name}"
         if name in FORCE_TASKS:
             return (Override(flag, "mission.task", name),)
-        return Override(flag, "mission.partition.method", name), Override(flag, "mission.task", None)
+        is_own = name in OWN_METHODS
+        chosen = Override(flag, "mission.partition.method", name) if is_own else None
+        added = Override(flag, "mission.partition.extension", None if is_own else name)
+        return (*([chosen] if chosen else []), added, Override(flag, "mission.task", None))
 
     def physics_override(self, backend: str) -> Override:
         """Return the override of ``--physics``."""

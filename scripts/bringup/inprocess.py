@@ -11,7 +11,7 @@ from typing import Any
 from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
 from bringup.filming import FilmOrder, filming
 from swarm_msgs_py.types import MISSION, NodeId
-from swarm_sim.electronics import death_line
+from swarm_sim.electronics import arrival_line, death_line
 from swarm_sim.ticked_world import TickedWorld
 
 
@@ -37,6 +37,7 @@ class InProcessEngine:
         self._agents: dict[NodeId, AgentActor] = {}
         self._dead: frozenset[NodeId] = frozenset()  # who has died as the scenario says
         self.startup_s = 0.0
+        self.notes: tuple[str, ...] = ()
 
     def __enter__(self) -> InProcessEngine:
         """Make all actors."""
@@ -75,8 +76,8 @@ class InProcessEngine:
     def _tick(self, simulation: TickedWorld, mission: MissionActor) -> TickRecord[Any, Any]:
         """Let everybody answer one tick, then let the world move on."""
         seen = simulation.observe()
-        died = simulation.take_died()
-        self._dead |= frozenset(died)
+        died, arrived = simulation.take_died(), simulation.take_arrived()
+        self._dead = (self._dead | frozenset(died)) - frozenset(arrived)
         orders = None if MISSION in self._dead else mission.step(seen.mission)
         if orders is not None:
             self._film.take(mission, orders)
@@ -92,6 +93,6 @@ class InProcessEngine:
             reports={robot: output.report for robot, output in outputs.items()},
             mission=orders.report if orders is not None else None,
             plan=orders.plan if orders is not None else None,
-            alerts=(*map(death_line, died), *([notice] if notice else [])),
+            alerts=(*map(death_line, died), *map(arrival_line, arrived), *([notice] if notice else [])),
             lost=frozenset(self._actors.robots) - frozenset(seen.agents) | self._dead,
         )

@@ -153,6 +153,11 @@ class ProcessGroup:
         child.link.close()
 
 
+def outlive_parent() -> None:
+    """Let this child notice the end of its parent by its link, instead of ending with it at once."""
+    ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, 0)
+
+
 @contextmanager
 def _signals_held() -> Iterator[None]:
     """Hold back interrupts until the end of the block."""

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import time
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+from bringup.dashboard import Dashboard
 from bringup.engine import TickRecord
 from bringup.family import Metrics
 
 REFRESH_S = 0.2  # of the live line, wall time
 PLAIN_S = 5.0  # between two lines where there is no terminal, wall time
+
+
+class Onlooker(Protocol):
+    """Whoever else is to see a run while it goes on."""
+
+    def take(self, record: TickRecord[Any, Any]) -> None:
+        """Take in one tick."""
+        ...
 
 
 class Progress:
@@ -25,10 +34,16 @@ class Progress:
     ----------
     console : Console
         Where to; a live line on a terminal, now and then a plain line elsewhere.
+    dashboard : Dashboard or None
+        Shows every robot below the live line; on a terminal only.
+    live : Onlooker or None
+        Is shown every tick.
     """
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, dashboard: Dashboard | None = None, live: Onlooker | None = None) -> None:
         self._console = console
+        self._dashboard = dashboard
+        self._onlooker = live
         self._live: Live | None = None
         self._began: float | None = None
         self._shown = -PLAIN_S
@@ -69,12 +84,17 @@ class Progress:
             self._began = now
         for alert in record.alerts:
             self._alert(alert, record.truth.time)
+        if self._dashboard is not None:
+            self._dashboard.take(record)
+        if self._onlooker is not None:
+            self._onlooker.take(record)
         interval = REFRESH_S if self._live is not None else PLAIN_S
         if now - self._shown >= interval:
             self._shown = now
             line = self._line(end, now - self._began, status, len(record.lost))
             if self._live is not None:
-                self._live.update(line)
+                board = self._dashboard
+                self._live.update(line if board is None else board.render(line, self._console.height))
             else:
                 self._console.print(line)
 
@@ -99,4 +119,4 @@ def print_summary(console: Console, metrics: Metrics, folder: str) -> None:
         table.add_row(label, value)
     console.print(Text(metrics.reason, style="bold green" if metrics.achieved else "bold red"), soft_wrap=True)
     console.print(table)
-    console.print(Text(f"results: {folder}"), soft_wrap=True)
+    console.print(Text(f"results: {folder} (look at report.html)"), soft_wrap=True)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import math
 from dataclasses import replace
-from pathlib import Path
 
 import shapely
 
 from bringup.cross_checks import (
     check_camera,
     check_events,
+    check_extensions,
     check_margins,
     check_rally_point,
     check_reach,
@@ -23,8 +21,9 @@ from bringup.layout import make_scene, robot_types, walls
 from bringup.origin import Origin, blamed
 from bringup.scenario import MapSpec, Scenario
 from bringup.shape_specs import ShapeSpec, StageSpec
+from bringup.shaping import contour_from, reader
 from bringup.staging import Staging, check_time, stage_of, stage_plan, written_shape, written_stage
-from mission_computer.shape import check_inside, load_shape
+from mission_computer.shape import check_inside
 from mission_computer.shape.arena import load_arena
 from mission_computer.stages import Stage
 from swarm_msgs_py.errors import ConfigError
@@ -50,9 +49,11 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     """
     scenario = _with_draws(scenario)
     with blamed(origin, "map"):
-        scenario = replace(scenario, map=_resolved_map(scenario.map))
+        scenario = with_map(scenario)
         assert scenario.map.bounds_m is not None  # just resolved
         check_size(scenario, scenario.map.bounds_m)
+    with blamed(origin, "agent.decision.strategy"):
+        check_extensions(scenario)
     with blamed(origin, "events"):
         check_events(scenario)
     with blamed(origin, "sim.camera"):
@@ -62,7 +63,7 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
     with blamed(origin, "sim.radio"):
         network_of(scenario)
     with blamed(origin, "shape"):
-        contour = _contour(scenario.shape)
+        contour = contour_of(scenario)
         _check_shape(contour, scenario, scenario.shape)
         maker = plan_maker(scenario, Roster.of(robot_types(scenario)), walls(scenario))
         plan = first_plan_of(maker, contour)
@@ -97,21 +98,21 @@ def written_out(scenario: Scenario, origin: Origin) -> Scenario:
         One line that names the file or option, the key and the remedy.
     """
     with blamed(origin, "map"):
-        scenario = replace(scenario, map=_resolved_map(scenario.map))
+        scenario = with_map(scenario)
     with blamed(origin, "shape"):
-        contour = _contour(scenario.shape)
+        contour = contour_of(scenario)
     return _with_contour(_with_stages(scenario, contour, origin), contour)
 
 
 def contour_of(scenario: Scenario) -> FloatArray:
-    """Return the contour of a resolved scenario, (k, 2) counter-clockwise [m]."""
-    return _contour(scenario.shape)
+    """Return the contour of a scenario, (k, 2) counter-clockwise [m]."""
+    return contour_from(scenario.shape, scenario)
 
 
 def stages_of(scenario: Scenario) -> tuple[Stage, ...]:
     """Return the stages of a resolved scenario, as the mission computer is told of them."""
-    shapes = [stage.shape for stage in scenario.stages]
-    return tuple(stage_of(spec, _contour(shape)) for spec, shape in zip(scenario.stages, shapes, strict=True) if shape)
+    read, shapes = reader(scenario), [stage.shape for stage in scenario.stages]
+    return tuple(stage_of(spec, read(shape)) for spec, shape in zip(scenario.stages, shapes, strict=True) if shape)
 
 
 def network_of(scenario: Scenario) -> NetworkConfig:
@@ -141,17 +142,8 @@ def network_of(scenario: Scenario) -> NetworkConfig:
         ) from None
 
 
-def _contour(spec: ShapeSpec) -> FloatArray:
-    # Points are handed over as JSON, which load_shape reads in every form that a file may have.
-    source = json.dumps(spec.points) if spec.points is not None else spec.file or spec.name
-    assert source is not None  # ShapeSpec sees to it
-    return load_shape(
-        source, scale=spec.scale, rotation=math.radians(spec.rotation_deg), translation=spec.translation_m
-    )
-
-
 def _with_contour(scenario: Scenario, contour: FloatArray) -> Scenario:
-    return replace(scenario, shape=written_shape(scenario.shape, contour, _shape_name(scenario.shape)))
+    return replace(scenario, shape=written_shape(scenario.shape, contour, scenario.shape.label))
 
 
 def _with_draws(scenario: Scenario) -> Scenario:
@@ -165,7 +157,7 @@ def _with_draws(scenario: Scenario) -> Scenario:
 
 def _with_stages(scenario: Scenario, first: FloatArray, origin: Origin) -> Scenario:
     """Return the scenario with the contour of every stage written out."""
-    staging, stages = Staging(first, _contour), list[StageSpec]()
+    staging, stages = Staging(first, reader(scenario)), list[StageSpec]()
     for number, spec in enumerate(scenario.stages):
         with blamed(origin, f"stages[{number}]"):
             stages.append(written_stage(spec, staging.next(spec)))
@@ -175,12 +167,19 @@ def _with_stages(scenario: Scenario, first: FloatArray, origin: Origin) -> Scena
 def _check_shape(contour: FloatArray, scenario: Scenario, spec: ShapeSpec | None) -> None:
     """Refuse a shape that is not in the arena, or over an obstacle."""
     assert scenario.map.bounds_m is not None  # a resolved scenario has its map written out
-    check_inside(contour, scenario.map.bounds_m, f"'{_shape_name(spec)}'" if spec is not None else "shape")
+    check_inside(contour, scenario.map.bounds_m, f"'{spec.label}'" if spec is not None else "shape")
     _check_obstacles(contour, scenario)
 
 
-def _shape_name(spec: ShapeSpec) -> str:
-    return spec.name or (Path(spec.file).stem if spec.file else "inline shape")
+def with_map(scenario: Scenario) -> Scenario:
+    """Return the scenario with its map written out.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such map, or its file is not sound.
+    """
+    return replace(scenario, map=_resolved_map(scenario.map))
 
 
 def _resolved_map(spec: MapSpec) -> MapSpec:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from bringup.engine import Actors, AgentActor, AgentAnswer
@@ -152,21 +153,58 @@ class Reporter:
             self.send()
 
 
-def run_world(link: Link, actors: Actors, pace: PaceConfig) -> None:
-    """Be the world until told to stop."""
+@dataclass(frozen=True, slots=True)
+class Partners:
+    """Topics whose other ends a process waits for before it says that it is ready.
+
+    Attributes
+    ----------
+    needed : frozenset of str
+        Without a partner there, nothing runs.
+    overheard : frozenset of str
+        Where a recorder listens beside the swarm.
+    """
+
+    needed: frozenset[str]
+    overheard: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(
+        cls,
+        robots: tuple[NodeId, ...],
+        dialect: Dialect[Any, Any, Any],
+        *,
+        is_recorded: bool,
+        has_camera: bool = False,
+    ) -> Partners:
+        """Return those of a process that is some robots, or the world for them, or the mission computer for none."""
+        per_robot = (*dialect.sensors, *topics.ROBOT_ANSWERS)
+        names = {channel.topic(robot) for robot in robots for channel in per_robot}
+        names |= {topics.CAMERA_IMAGE.topic(), topics.CAMERA_INFO.topic()} if has_camera else set()
+        names |= {channel.topic(MISSION) for channel in topics.MISSION_CHANNELS}
+        overheard = topics.channels_by_topic(robots, dialect.sensors, dialect.shown, has_camera=has_camera)
+        return cls(frozenset(names), frozenset(overheard if is_recorded else ()))
+
+
+def run_world(link: Link, actors: Actors, pace: PaceConfig, *, is_recorded: bool) -> None:
+    """Be the world until told to stop; one that is recorded shows viewers every tick."""
     supervision = WorldSupervision(link)
     simulation, dialect = actors.simulation(), DIALECTS[actors.family]
     try:
         with started() as executor:
-            node = WorldNode(simulation, actors.period_s, dialect, context=executor.context)
+            options = _view_options(is_recorded=is_recorded)
+            node = WorldNode(simulation, actors.period_s, dialect, context=executor.context, **options)
             _set_up(node, executor, actors.world_config, pace)
-            if _await_partners(link, executor, [node], _lockstep_topics(actors.robots, dialect), supervision.is_over):
+            partners = Partners.of(
+                actors.robots, dialect, is_recorded=is_recorded, has_camera=actors.image_hz is not None
+            )
+            if await_partners(link, executor, [node], partners, supervision.is_over):
                 Lockstep(node, executor, pace, supervision).run()
     finally:
         simulation.close()
 
 
-def run_mission(link: Link, actors: Actors, film_order: FilmOrder | None = None) -> None:
+def run_mission(link: Link, actors: Actors, film_order: FilmOrder | None = None, *, is_recorded: bool) -> None:
     """Be the mission computer until told to stop."""
     forget_goals()
     supervision = Supervision(link)
@@ -177,9 +215,11 @@ def run_mission(link: Link, actors: Actors, film_order: FilmOrder | None = None)
             link.send(MissionTick(outputs.tick, outputs.report, outputs.plan))
             film.take(mission, outputs)
 
-        node = MissionNode(mission, actors.period_s, report, context=executor.context)
+        options = _view_options(is_recorded=is_recorded)
+        node = MissionNode(mission, actors.period_s, report, context=executor.context, **options)
         _set_up(node, executor, actors.mission_config)
-        if _await_partners(link, executor, [node], _lockstep_topics((), DIALECTS[actors.family]), supervision.is_over):
+        partners = Partners.of((), DIALECTS[actors.family], is_recorded=is_recorded, has_camera=mission.has_camera)
+        if await_partners(link, executor, [node], partners, supervision.is_over):
             spin_until(executor, supervision.is_over)
 
 
@@ -239,6 +279,7 @@ def run_agents(  # noqa: PLR0913 - all that a process of agents may know
     configs: Mapping[NodeId, Config],
     *,
     is_lean: bool,
+    is_recorded: bool,
     family: str = Family.FORMATION.value,
 ) -> None:
     """Be some robots until told to stop.
@@ -255,6 +296,8 @@ def run_agents(  # noqa: PLR0913 - all that a process of agents may know
         Their settings, as their nodes declare them.
     is_lean : bool
         Whether the nodes go without parameter services and log topic.
+    is_recorded : bool
+        Whether a recorder listens; then viewers are shown every tick.
     family : str
         Of behavior: decides how steps travel.
     """
@@ -262,21 +305,17 @@ def run_agents(  # noqa: PLR0913 - all that a process of agents may know
     supervision, reporter = Supervision(link), Reporter(link, agents)
     with started() as executor:
         host = AgentHost(link, executor, reporter, DIALECTS[family])
+        options = _view_options(is_recorded=is_recorded) | (LEAN if is_lean else {})
         for robot, agent in agents.items():
-            host.add(robot, agent, period_s, configs[robot], LEAN if is_lean else {})
+            host.add(robot, agent, period_s, configs[robot], options)
 
         def is_over() -> bool:
             host.remove_failed()
             reporter.send()
             return supervision.is_over()
 
-        if _await_partners(
-            link,
-            executor,
-            [*host.nodes.values()],
-            _lockstep_topics(tuple(agents), DIALECTS[family]),
-            supervision.is_over,
-        ):
+        partners = Partners.of(tuple(agents), DIALECTS[family], is_recorded=is_recorded)
+        if await_partners(link, executor, [*host.nodes.values()], partners, supervision.is_over):
             spin_until(executor, is_over)
 
 
@@ -287,19 +326,15 @@ def _set_up(node: Any, executor: Any, *settings: Any) -> None:
     executor.add_node(node)
 
 
-def _lockstep_topics(robots: tuple[NodeId, ...], dialect: Dialect[Any, Any, Any]) -> frozenset[str]:
-    """Return the topics without which these robots and the mission computer cannot run."""
-    per_robot = (*dialect.sensors, *topics.ROBOT_ANSWERS)
-    names = {channel.topic(robot) for robot in robots for channel in per_robot}
-    names |= {topics.CAMERA_IMAGE.topic(), topics.CAMERA_INFO.topic()}  # of who has a camera
-    return frozenset(names | {channel.topic(MISSION) for channel in topics.MISSION_CHANNELS})
+def _view_options(*, is_recorded: bool) -> dict[str, Any]:
+    return {"view_period_s": 0.0} if is_recorded else {}
 
 
-def _await_partners(
-    link: Link, executor: Any, nodes: list[Any], needed: frozenset[str], is_over: Callable[[], bool]
+def await_partners(
+    link: Link, executor: Any, nodes: list[Any], partners: Partners, is_over: Callable[[], bool]
 ) -> bool:
     """Report that this process is ready as soon as it is; return False if it was stopped before."""
-    while not is_matched(nodes, needed.__contains__):
+    while not is_matched(nodes, partners.needed.__contains__, partners.overheard.__contains__):
         if is_over():
             return False
         spin_for(executor, MATCH_INTERVAL_S)

@@ -19,7 +19,8 @@ from bringup.patience import Patience
 from bringup.process_state import computing_s
 from bringup.processes import Child, Main, ProcessGroup
 from bringup.readiness import await_ready
-from bringup.ros_children import run_agents, run_mission, run_world
+from bringup.recorder import Recorder
+from bringup.ros_children import DIALECTS, run_agents, run_mission, run_world
 from bringup.telemetry import AgentFailed, AgentReports, Fallen, Hosts, MissionTick, RunUntil, WorldTick, reason_of
 from bringup.tick_assembly import TickAssembly
 from swarm_msgs_py.errors import ConfigError, SwarmError
@@ -64,6 +65,8 @@ class RosEngine:
     world_deadline_s : float
         Wall time without a sign of life from the world's process after which the run ends [s]. A paused world gives
         signs of life.
+    record_to : Path or None
+        Folder, not there yet, of a bag of all topics; None to record nothing.
     film : FilmOrder or None
         That what the mission computer sees is to be filmed.
 
@@ -71,6 +74,8 @@ class RosEngine:
     ----------
     startup_s : float
         Wall time from the start until the first tick could run [s].
+    notes : tuple of str
+        What the operator should read after the run: what came of the recording.
     """
 
     def __init__(  # noqa: PLR0913 - how it is to run, and what is to be kept of it
@@ -81,6 +86,7 @@ class RosEngine:
         real_time: bool = False,
         deadline_s: float = 5.0,
         world_deadline_s: float = 60.0,
+        record_to: Path | None = None,
         film: FilmOrder | None = None,
     ) -> None:
         self._actors, self._film = actors, film
@@ -92,8 +98,11 @@ class RosEngine:
         self._environment: dict[str, str] | None = None
         self._assembly = TickAssembly()
         self._for_world, self._for_reports = Patience(world_deadline_s), Patience(REPORT_PATIENCE_S)
+        self._recorder = Recorder(record_to) if record_to is not None else None
         self._world: Child | None = None
+        self._read = -1  # last tick that the reader of the records is done with
         self.startup_s = 0.0
+        self.notes: tuple[str, ...] = ()
 
     def __enter__(self) -> RosEngine:
         """Start all processes and return when everybody is connected.
@@ -119,6 +128,9 @@ class RosEngine:
 
     def __exit__(self, *error: object) -> None:
         """Stop all processes, by force those that do not listen, and give the domain back; may be called again."""
+        if self._recorder is not None:
+            self._recorder.finish(self._group)
+            self.notes = (self._recorder.note(),)
         self._group.stop()
         if self._folder is not None:
             self._folder.cleanup()
@@ -144,9 +156,20 @@ class RosEngine:
             raise RuntimeError("the engine is not running; use it as a context manager")
         while True:
             for record in self._assembly.take_ready():
+                if self._recorder is not None:
+                    self._recorder.expect(record)
                 yield record
-                self._world.link.send(RunUntil(record.tick + 1 + TICKS_AHEAD))
+                self._read = record.tick
+                self._let_run()
             self._listen()
+
+    def _let_run(self) -> None:
+        """Tell the world how far it may run: some ticks ahead of who reads the records, and of the recorder."""
+        done = (
+            self._recorder.lags(self._read) if self._recorder is not None and not self._pace.real_time else self._read
+        )
+        if self._world is not None:
+            self._world.link.send(RunUntil(done + 1 + TICKS_AHEAD))
 
     def _listen(self) -> None:
         """Take in what the children have sent, waiting for it a short while; notice what does not come."""
@@ -157,6 +180,11 @@ class RosEngine:
         for child, message in events:
             self._take(child, message)
         senders = [child for child, _ in events]
+        if self._recorder is not None and self._recorder.is_stuck(
+            waited, has_news=any(map(self._recorder.is_me, senders))
+        ):
+            self._assembly.alert("the recorder hangs; the run goes on, the recording may have holes")
+            self._let_run()
         if self._for_world.is_out(waited, has_news=self._world in senders):
             raise SwarmError(self._hang())
         # The world gives signs of life also while it waits for this process to go on, so they are no news here.
@@ -188,19 +216,27 @@ class RosEngine:
         # What children would each load and compute for themselves, they inherit.
         preload()
         agents = {robot: self._make_agent(robot) for robot in sorted(self._actors.robots)}
-        actors, pace, film = self._actors, self._pace, self._film
-        self._world = self._group.start("world", (), lambda link: run_world(link, actors, pace))
-        self._group.start("mission computer", (MISSION,), lambda link: run_mission(link, actors, film))
+        actors, pace, film, is_recorded = self._actors, self._pace, self._film, self._recorder is not None
+        if self._recorder is not None:
+            self._recorder.start(self._group, actors, DIALECTS[actors.family])
+        self._world = self._group.start(
+            "world", (), lambda link: run_world(link, actors, pace, is_recorded=is_recorded)
+        )
+        self._group.start(
+            "mission computer", (MISSION,), lambda link: run_mission(link, actors, film, is_recorded=is_recorded)
+        )
         for robots in groups:
             self._group.start(node_list(robots), robots, self._host({robot: agents[robot] for robot in robots}))
         await_ready(self._group, READY_DEADLINE_S)
         self._folder.cleanup()  # all have read the profile; so none is left after a kill
         self._world.link.send(Hosts({node: child.pid for child in self._group.children for node in child.nodes}))
-        self._world.link.send(RunUntil(TICKS_AHEAD))
+        self._let_run()
 
     def _take(self, child: Child, message: object) -> None:
         """Sort what a child has sent; None means that it has died."""
-        if isinstance(message, AgentReports):
+        if self._recorder is not None and self._recorder.is_me(child):
+            self._take_from_recorder(self._recorder, child, message)
+        elif isinstance(message, AgentReports):
             self._assembly.put_agents(message)
         elif isinstance(message, WorldTick):
             self._assembly.put_world(message)
@@ -210,6 +246,13 @@ class RosEngine:
             self._take_out((message.robot,), f"{robot_name(message.robot)} failed and is taken out: {message.reason}")
         elif message is None:
             self._mourn(child)
+
+    def _take_from_recorder(self, recorder: Recorder, child: Child, message: object) -> None:
+        if message is None:
+            self._assembly.alert(recorder.bury(child))
+        else:
+            recorder.take(message)
+        self._let_run()
 
     def _mourn(self, child: Child) -> None:
         """Let the run go on without a child that has died."""
@@ -242,6 +285,7 @@ class RosEngine:
             period_s=actors.period_s,
             configs=configs,
             is_lean=is_lean,
+            is_recorded=self._recorder is not None,
             family=actors.family,
         )
 
@@ -257,7 +301,8 @@ class RosEngine:
         # Dealt out like cards: the world publishes in order of robot, so all processes have work from the start.
         count = math.ceil(len(robots) / size)
         groups = [robots[first::count] for first in range(count)]
-        room = processes_max - 2 - VIEWERS  # world and mission computer
+        own = 2 + (self._recorder is not None)  # world and mission computer
+        room = processes_max - own - VIEWERS
         if len(groups) > room:
             raise ConfigError(
                 f"--agents-per-process {size}: {len(groups)} processes of agents are more than the {room} that find "

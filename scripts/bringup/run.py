@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,8 @@ from bringup.progress import Progress
 from bringup.run_folder import RunFolder
 from bringup.scenario_file import dump_scenario
 from bringup.verdict import Timing, Verdict
+from reports.page import report_page
+from reports.run_record import RunRecord
 from swarm_msgs_py.errors import SwarmError
 
 KEEP_S = 20.0  # least wall time between two saves of a run that goes on
@@ -46,14 +48,15 @@ class Run:
         """Write the scenario."""
         self.folder.write("scenario.yaml", dump_scenario(self.scenario).encode())
 
-    def write_record(self, verdict: Verdict, timing: Timing) -> Metrics:
-        """Write the numbers and the motion of the run, finished or not."""
+    def write_record(self, verdict: Verdict, timing: Timing) -> tuple[Metrics, Mapping[str, np.ndarray]]:
+        """Write the numbers and the motion of the run, finished or not; return them."""
         metrics = self.account.metrics(self.engine, verdict, timing)
         self.folder.write("metrics.json", metrics_text(metrics).encode())
         buffer = io.BytesIO()
-        np.savez(buffer, **self.account.arrays())  # type: ignore[arg-type]  # names never clash with it
+        arrays = self.account.arrays()
+        np.savez(buffer, **arrays)  # type: ignore[arg-type]  # names never clash with it
         self.folder.write("trajectories.npz", buffer.getvalue())
-        return metrics
+        return metrics, arrays
 
     @property
     def time_s(self) -> float:
@@ -159,7 +162,9 @@ def _watch(run: Run, engine: Engine, progress: Progress, journal: Journal) -> Ve
 def write_results(run: Run, ended: Ended, interruption: Interruption) -> Metrics:
     """Write what a run left behind, the most important first; after an interruption no picture is drawn."""
     run.write_scenario()
-    metrics = run.write_record(ended.verdict, ended.timing)
+    metrics, arrays = run.write_record(ended.verdict, ended.timing)
+    record = RunRecord(dict(metrics.values), dump_scenario(run.scenario), arrays)
+    run.folder.write("report.html", report_page(record))
     try:
         with interruption.welcome():
             run.folder.write("figure.png", run.account.figure(metrics))

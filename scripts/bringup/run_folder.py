@@ -5,17 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 from bringup.family import AnyScenario
-from bringup.layout import robot_types
-from bringup.scenario import Scenario
 from swarm_msgs_py.errors import ConfigError
-from swarm_msgs_py.messages.bodies import Plan
-from swarm_sim.metrics.trace import Trace
 
 ATTEMPTS = 100  # default folders that may start in one second with one scenario and seed
 
@@ -85,38 +78,3 @@ def reserve_default(scenario: AnyScenario, parent: Path) -> RunFolder:
     names = (stem, *(f"{stem}-{number}" for number in range(2, ATTEMPTS)))
     path = next((parent / name for name in names if not (parent / name).exists()), parent / stem)
     return RunFolder(path)
-
-
-def trajectory_arrays(scenario: Scenario, trace: Trace, plan: Plan | None) -> Mapping[str, np.ndarray]:
-    """Return what ``trajectories.npz`` holds, by name; SI units, rows in the order of robot ids.
-
-    Motion samples: ``time`` (s,), ``position``, ``velocity`` (s, n, 2). Ticks: ``tick_time`` (t,), ``yaw``, ``alive``,
-    ``mode``, ``goal``, ``positioning``, ``beacons`` (t, n), ``estimate`` (t, n, 2), ``covariance`` (t, n, 2, 2).
-    Robots: ``robot``, ``robot_type``, ``coverage_radius`` (n,). Final plan: ``contour`` (k, 2), ``goals`` (g, 2),
-    ``goal_type`` (g,). Obstacles: all corners in ``obstacle_corners`` (c, 2), of which obstacle i has
-    ``obstacle_sizes[i]``.
-    """
-    types = robot_types(scenario)
-    obstacles = [obstacle.polygon() for obstacle in scenario.map.obstacles]
-    return {
-        "time": trace.sample_times,
-        "position": trace.positions,
-        "velocity": trace.velocities,
-        "tick_time": trace.tick_times,
-        "yaw": trace.yaws,
-        "alive": trace.alive,
-        "mode": trace.modes,
-        "goal": trace.goals,
-        "estimate": trace.estimates,
-        "covariance": trace.covariances,
-        "positioning": trace.positioning,
-        "beacons": trace.beacons,
-        "robot": np.array(trace.robots, dtype=np.int64),
-        "robot_type": np.array([kind.type for kind in types], dtype=np.int64),
-        "coverage_radius": np.array([kind.coverage_radius_m for kind in types]),
-        "contour": plan.contour if plan else np.empty((0, 2)),
-        "goals": plan.goals if plan else np.empty((0, 2)),
-        "goal_type": plan.goal_types if plan else np.empty(0, dtype=np.int64),
-        "obstacle_corners": np.concatenate([np.empty((0, 2)), *obstacles]),
-        "obstacle_sizes": np.array([len(obstacle) for obstacle in obstacles], dtype=np.int64),
-    }

@@ -155,6 +155,9 @@ class EventSpec(Config):
 
     at_s: float = setting(help="when: from the first tick that begins then or later", unit="s", minimum=0.0)
     kill: tuple[int, ...] = setting((), "robots whose electronics die; their bodies stay where they are", minimum=0)
+    add: tuple[int, ...] = setting(
+        (), "robots that are switched on; those that were not killed before are off until then, as a reserve", minimum=0
+    )
     stop: Stoppable | None = setting(
         None, "mission_computer: it is switched off, and its radio falls silent; the swarm goes on by itself"
     )
@@ -168,8 +171,8 @@ class EventSpec(Config):
             If nothing does.
         """
         Config.__post_init__(self)
-        if not self.kill and self.stop is None:
-            raise ConfigError("an event without effect; give kill: [robots], or stop: mission_computer")
+        if not self.kill and not self.add and self.stop is None:
+            raise ConfigError("an event without effect; give kill: [robots], add: [robots] or stop: mission_computer")
 
     @property
     def nodes(self) -> tuple[NodeId, ...]:
@@ -242,12 +245,17 @@ class Scenario(Config):
     def method(self) -> str:
         """Method by which the family does its work, as metrics and the command line name it."""
         task = self.mission.asked
-        return self.mission.partition.method.value if task.has_goals else task.value
+        return self.mission.partition.name if task.has_goals else task.value
 
     @property
     def deaths(self) -> dict[NodeId, int]:
         """The tick from which on a node is dead, for the robots (and `MISSION`) that the events end."""
         return {node: tick_from(event.at_s, self.sim.period_s) for event in self.events for node in event.nodes}
+
+    @property
+    def arrivals(self) -> dict[NodeId, int]:
+        """The tick from which on a robot is on that an event adds."""
+        return {NodeId(robot): tick_from(event.at_s, self.sim.period_s) for event in self.events for robot in event.add}
 
 
 def check_name(name: str) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
+from mission_computer.shape import TEXT_PREFIX
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
 
@@ -13,13 +16,32 @@ HOLD_S = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShapeSpec(Config):
-    """The contour to form: a library name, a file, or points, and how it is placed."""
+    """The contour to form: a library name, a file, a text, or points, and how it is placed."""
 
-    name: str | None = setting(None, "library shape; beside a file or points it is only what to call them")
-    file: str | None = setting(None, "GeoJSON or JSON file, relative to the scenario's own folder")
+    name: str | None = setting(None, "library shape; beside a file, a text or points it is only what to call them")
+    file: str | None = setting(
+        None,
+        "GeoJSON, JSON list of points, SVG drawing, or silhouette as a picture (PNG, JPEG, ...), relative to the"
+        " scenario's own folder",
+    )
+    text: str | None = setting(None, "letters to form")
+    font: str | None = setting(
+        None, "of the text: family with style, e.g. 'DejaVu Serif:bold', or a font file; null: DejaVu Sans:bold"
+    )
     points: tuple[tuple[float, float], ...] | None = setting(None, "contour [x, y], once around", unit="m")
-    scale: float = setting(1.0, "size factor about the center of area", above=0.0, maximum=1e4)
+    fit_m: tuple[float, float] | None = setting(
+        None, "as large as it can be in a box of this width and height, before it is turned", unit="m", above=0.0
+    )
+    area_m2: float | None = setting(
+        None,
+        "instead: of this area; null, and no fit_m: drawings, pictures and texts become large enough for the robots,"
+        " and their center comes to (0, 0) unless center_m says where; all else keeps its own size and place",
+        unit="m^2",
+        above=0.0,
+    )
+    scale: float = setting(1.0, "size factor about the center of area, after that", above=0.0, maximum=1e4)
     rotation_deg: float = setting(0.0, "turn about the center of area, counter-clockwise", unit="deg")
+    center_m: tuple[float, float] | None = setting(None, "where its center of area is put", unit="m")
     translation_m: tuple[float, float] = setting((0.0, 0.0), "shift after that", unit="m")
     heading_deg: float | None = setting(
         None,
@@ -30,12 +52,33 @@ class ShapeSpec(Config):
     )
 
     def __post_init__(self) -> None:
-        """Check that there is exactly one source of points."""
+        """Check that there is exactly one source of points, and one size."""
         Config.__post_init__(self)
-        if self.file is not None and self.points is not None:
-            raise ConfigError("file and points are both given; remove one of them")
-        if self.file is None and self.points is None and self.name is None:
-            raise ConfigError("no shape; give one of name, file or points")
+        sources = {"file": self.file, "text": self.text, "points": self.points}
+        given = [name for name, source in sources.items() if source is not None]
+        if len(given) > 1:
+            raise ConfigError(f"{' and '.join(given)} are both given; remove one of them")
+        if not given and self.name is None:
+            raise ConfigError("no shape; give one of name, file, text or points")
+        if self.font is not None and self.text is None:
+            raise ConfigError("font without text; give text, or remove font")
+        if self.fit_m is not None and self.area_m2 is not None:
+            raise ConfigError("fit_m and area_m2 are both given; remove one of them")
+
+    @property
+    def source(self) -> str:
+        """What `mission_computer.shape` reads it from."""
+        if self.text is not None:
+            return f"{TEXT_PREFIX}{self.text}"
+        # Points are handed over as JSON, which is read in every form that a file may have.
+        source = json.dumps(self.points) if self.points is not None else self.file or self.name
+        assert source is not None  # checked above
+        return source
+
+    @property
+    def label(self) -> str:
+        """What to call the shape."""
+        return self.name or self.text or (Path(self.file).stem if self.file else "inline shape")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

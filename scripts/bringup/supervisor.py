@@ -35,6 +35,8 @@ class Supervisor:
         Duration of a tick [s].
     duration_s : float
         Simulated time limit [s].
+    complete_s : float
+        When the last robot has been switched on that the scenario adds; nothing is achieved before [s].
 
     Attributes
     ----------
@@ -55,11 +57,20 @@ class Supervisor:
         Whether robots that find their goals by themselves found the same.
     """
 
-    def __init__(self, robots: tuple[NodeId, ...], success: SuccessSpec, period_s: float, duration_s: float) -> None:
+    def __init__(
+        self,
+        robots: tuple[NodeId, ...],
+        success: SuccessSpec,
+        period_s: float,
+        duration_s: float,
+        *,
+        complete_s: float = 0.0,
+    ) -> None:
         self._robots = robots
         self._success = success
         self._period = period_s
         self._duration = duration_s
+        self._complete = complete_s
         self._contour: shapely.Polygon | None = None  # as it is at the end of the tick
         self._drawn: FloatArray | None = None  # the points of it
         self._mission: MissionReport | None = None  # the last one
@@ -89,7 +100,7 @@ class Supervisor:
         self._watch_motion(record, rows)
         held = end - self._settled_since if self._settled_since is not None else -1.0
         # Sample times are sums of fractions of a tick; a hold may fall short of itself by rounding.
-        if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows) and not self._is_awaiting_stage:
+        if held >= self._success.hold_s - 1e-9 and self.at_goal == len(rows) and not self._is_awaiting(end):
             return self._settled(len(rows))
         if end >= self._duration - 1e-9:
             return Verdict(False, f"time limit of {self._duration:g} s: {self._tally()}{self._shortfall()}")
@@ -118,9 +129,10 @@ class Supervisor:
     def _stages_left(self) -> int:
         return self._mission.stages_left if self._mission is not None else 0
 
-    @property
-    def _is_awaiting_stage(self) -> bool:
-        """Return whether there is another shape to come."""
+    def _is_awaiting(self, time: float) -> bool:
+        """Return whether another shape, or another robot, is still to come."""
+        if time <= self._complete:
+            return True
         is_over = MISSION in self._lost or (self._mission is not None and self._mission.is_broken_off)
         return self._stages_left > 0 and not is_over
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from recording.taking import Account
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.types import NodeId
@@ -87,6 +88,20 @@ class MissionTick:
     tick: int
     report: MissionReport
     plan: Plan | None
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """From the recorder: what the swarm says in this tick is being written."""
+
+    tick: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordingClosed:
+    """From the recorder, before it ends: what the recording holds."""
+
+    account: Account
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,12 +29,14 @@ SMALL = THESIS_TYPES[0]
 class SmallSwarm:
     """`count` robots in a row, north of a square; implements `bringup.engine.Actors`.
 
-    `deaths` are pairs of a robot, or `MISSION`, and the tick at which it dies; `task` is what plans ask of the robots.
+    `deaths` are pairs of a robot, or `MISSION`, and the tick at which it dies, `arrivals` such at
+    which it is switched on; `task` is what plans ask of the robots.
     """
 
     count: int
     deaths: tuple[tuple[NodeId, int], ...] = ()
     task: Task = Task.GOALS
+    arrivals: tuple[tuple[NodeId, int], ...] = ()
 
     @property
     def family(self) -> str:
@@ -47,6 +49,10 @@ class SmallSwarm:
     @property
     def period_s(self) -> float:
         return PERIOD
+
+    @property
+    def image_hz(self) -> float | None:
+        return None
 
     @property
     def world_config(self) -> SimConfig:
@@ -64,7 +70,7 @@ class SmallSwarm:
             RobotSpec(robot, SMALL, (1.5 * (robot - self.count / 2), 6.0), 0.1 * robot, True) for robot in self.robots
         )
         scene = Scene(robots, (), (-20.0, -20.0, 20.0, 20.0), (0.0, 0.0))
-        return Simulation(self.world_config, scene, SEED, dict(self.deaths))
+        return Simulation(self.world_config, scene, SEED, dict(self.deaths), dict(self.arrivals))
 
     def mission(self) -> Mission:
         roster = Roster.of([SMALL] * self.count)

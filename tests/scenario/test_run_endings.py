@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
-from run_folders import metrics_of
+from run_folders import FILES, metrics_of
 
-import bringup.figure
+import reports.figures
 from bringup.compose import ScenarioActors
 from bringup.engine import TickRecord
 from bringup.family import Metrics
@@ -89,7 +89,7 @@ def test_an_interruption_stops_the_engine_and_keeps_the_metrics_so_far(smoke: Sc
     assert metrics["ticks"] == EVENT_TICK
     assert metrics["reason"].startswith("interrupted by the operator at 4.0 s")
     assert metrics["total_displacement_m"] > 0.0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["metrics.json", "scenario.yaml", "trajectories.npz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [name for name in FILES if name != "figure.png"]
 
 
 def test_an_interruption_during_the_start_leaves_a_readable_folder(smoke: Scenario, tmp_path: Path) -> None:
@@ -106,14 +106,14 @@ def test_an_interruption_during_the_start_leaves_a_readable_folder(smoke: Scenar
 def test_an_interruption_while_drawing_keeps_everything_but_the_picture(
     smoke: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bringup.figure, "run_figure", lambda *_: interrupt())
+    monkeypatch.setattr(reports.figures, "make_figure", lambda *_: interrupt())
     with Interruption() as interruption:
         metrics = run(smoke, EventfulEngine(smoke, lambda: None), tmp_path, interruption)
         was_requested = interruption.requested
 
     assert metrics.achieved
     assert was_requested
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["metrics.json", "scenario.yaml", "trajectories.npz"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [name for name in FILES if name != "figure.png"]
 
 
 def test_an_engine_that_gives_up_ends_the_run_with_its_reason(smoke: Scenario, tmp_path: Path) -> None:

@@ -13,6 +13,8 @@ import pytest
 from run_folders import FAST, FILES, metrics_of
 from source_tree import ROOT
 
+from reports import plot_cli
+
 LAUNCHER = ROOT / "scripts" / "launch_swarm.py"
 RUN_S = 120.0
 
@@ -65,6 +67,9 @@ def test_a_killed_launcher_leaves_a_readable_folder(tmp_path: Path) -> None:
     assert (tmp_path / "run" / "scenario.yaml").exists()
     assert metrics["reason"].startswith("still running")
     assert metrics["achieved"] is False
+    report = tmp_path / "report.html"
+    assert plot_cli.main([str(tmp_path / "run"), "--out", str(report)]) == 0
+    assert "still running" in report.read_text()
 
 
 @pytest.mark.parametrize("closed", ["1>&-", "2>&-", "<&- >&- 2>&-"])

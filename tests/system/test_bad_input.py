@@ -211,7 +211,7 @@ FILES = {
     ),
     "event without an effect": (
         changed(lambda d: d.update(events=[{"at_s": 1}])),
-        r"bad\.yaml: events\[0\]: an event without effect; give kill: \[robots\], or stop: mission_computer",
+        r"bad\.yaml: events\[0\]: an event without effect; give kill: \[robots\], add: \[robots\] or stop: mission",
     ),
     "stop of what cannot be stopped": (
         changed(lambda d: d.update(events=[{"at_s": 1, "stop": "mission"}])),
@@ -255,7 +255,7 @@ OPTIONS = {
     "assignment out of range": (["--set", "radio.loss=2"], r"--set radio\.loss: sim\.radio\.loss: must be >= 0"),
     "assignment of broken YAML": (["--set", "name=[1"], r"--set name: the value is not YAML"),
     "processes without ROS": (["--agents-per-process", "2"], r"--agents-per-process: only the ros engine"),
-    "recording": (["--record"], r"--record: recordings are not part of this version; leave the option out"),
+    "recording": (["--record", *FAST], r"--record: only the ros engine has topics to record; leave it out or use"),
     "out folder in use": (["--out", "used"], r"--out used: is not empty; give a new folder"),
     "out folder below a file": (["--out", "used/file/below"], r"--out used/file/below: cannot be written"),
     "out folder where nobody may write": (["--out", "/proc/nobody/here"], r"--out /proc/nobody/here: cannot be"),

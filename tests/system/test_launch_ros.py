@@ -17,6 +17,8 @@ from leftovers import children_of, orphaned, session_members, shared_memory, wai
 from run_folders import FILES, metrics_of
 from source_tree import ROOT
 
+from recording import FOLDER
+from recording.bag import opened
 from swarm_msgs_py.messages.report import Mode
 
 LAUNCHER = ROOT / "scripts" / "launch_swarm.py"
@@ -83,13 +85,17 @@ def read_until(process: subprocess.Popen[str], text: str) -> str:
 def test_a_swarm_of_ros_nodes_forms_its_shape_and_leaves_nothing_but_its_results(
     launch: Launch, tmp_path: Path
 ) -> None:
-    process = launch("--engine", "ros", "--scenario", "smoke-4", "--out", "run")
+    process = launch("--engine", "ros", "--scenario", "smoke-4", "--record", "--out", "run")
     output, _ = process.communicate(timeout=RUN_S)
 
     assert process.returncode == 0, output
     assert "shape formed" in output
     assert "ALERT" not in output
-    assert sorted(path.name for path in (tmp_path / "run").iterdir()) == FILES
+    assert sorted(path.name for path in (tmp_path / "run").iterdir()) == sorted([*FILES, FOLDER])
+    recorded = re.search(r"recording: (\d+) messages on \d+ topics, none lost", output)
+    assert recorded is not None, output
+    with opened(tmp_path / "run") as bag:
+        assert sum(topic.count for topic in bag.topics) == int(recorded[1])
     metrics = metrics_of(tmp_path / "run")
     assert (metrics["engine"], metrics["physics"], metrics["achieved"]) == ("ros", "bullet", True)
     assert (metrics["collisions"], metrics["lost_robots"], metrics["robots"]) == (0, 0, 4)
@@ -133,7 +139,7 @@ def test_ros_and_in_process_runs_are_the_same_byte_for_byte(
 def test_an_interrupted_ros_run_ends_in_time_with_code_130_and_keeps_its_results(
     launch: Launch, tmp_path: Path
 ) -> None:
-    process = launch("--engine", "ros", "--scenario", "smoke-4", "--real-time", "--out", "run")
+    process = launch("--engine", "ros", "--scenario", "smoke-4", "--real-time", "--record", "--out", "run")
     read_until(process, "at their goals")
     os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C does: everybody in the foreground gets it
     began = time.monotonic()
@@ -145,6 +151,8 @@ def test_an_interrupted_ros_run_ends_in_time_with_code_130_and_keeps_its_results
     assert "interrupted by the operator" in output
     assert metrics_of(tmp_path / "run")["ticks"] >= 1
     assert (tmp_path / "run" / "trajectories.npz").stat().st_size > 0
+    with opened(tmp_path / "run") as bag:
+        assert len(bag.topics) > 40
 
 
 def test_a_killed_process_of_agents_is_named_with_its_robots_and_the_run_ends_by_itself(

@@ -51,6 +51,15 @@ def test_the_build_registers_every_package_with_the_ament_index(install: Path) -
         assert (share / package / "package.xml").is_file()
 
 
+def test_the_build_installs_launch_files_and_settings_of_viewers(install: Path) -> None:
+    source, share = SRC / "swarm_bringup", install / "swarm_bringup" / "share"
+    wanted = {path.relative_to(source) for path in source.glob("*/*") if path.parent.name in {"launch", "config"}}
+
+    assert len(wanted) == 5
+    assert {path for path in wanted if not (share / "swarm_bringup" / path).is_file()} == set()
+    assert (share / "ament_index" / "resource_index" / "packages" / "swarm_bringup").is_file()
+
+
 @pytest.mark.needs_ros
 @pytest.mark.parametrize("package", NODES)
 def test_an_installed_node_joins_the_graph_and_ends_at_ctrl_c(

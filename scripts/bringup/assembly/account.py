@@ -11,10 +11,12 @@ from bringup.assembly.planning import planned
 from bringup.assembly.scenario import AssemblyScenario
 from bringup.engine import TickRecord
 from bringup.family import Metrics
+from bringup.history import NOT_REPORTED, Chronicle, PairChanges
 from bringup.verdict import Timing, Verdict
-from swarm_msgs_py.assembly.boat_io import AssemblyReport
+from swarm_msgs_py.assembly.boat_io import AssemblyReport, BoatMode
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.boats.bodies import Latch
+from swarm_sim.boats.config import CELL_M
 from swarm_sim.boats.simulation import PoolTruth
 from swarm_sim.metrics.docking import Standing, standing_of
 
@@ -48,6 +50,8 @@ class AssemblyAccount:
         self._quiet_since = 0.0
         self._built_at: float | None = None
         self._notice = ""
+        self._modes: list[np.ndarray] = []
+        self._docks, self._chronicle = PairChanges(), Chronicle()
 
     def take(self, record: AssemblyRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
@@ -59,6 +63,12 @@ class AssemblyAccount:
         for event in truth.events:
             self._torn += not event.holds
             (self._latches.add if event.holds else self._latches.discard)(event.latch)
+        self._docks.put(record.tick, ((latch.boat, latch.other) for latch in self._latches))
+        self._chronicle.take(record, ())
+        modes = np.full(len(truth.alive), NOT_REPORTED, dtype=np.int64)
+        for boat, report in record.reports.items():
+            modes[boat] = report.mode
+        self._modes.append(modes)
         self._steps = max((self._steps, *(report.steps_done for report in record.reports.values())))
         end = truth.time + self._period
         if np.linalg.norm(truth.ends - truth.positions, axis=1).max() > STILL_M or truth.events:
@@ -118,8 +128,11 @@ class AssemblyAccount:
     def arrays(self) -> Mapping[str, np.ndarray]:
         """Return what ``trajectories.npz`` holds.
 
-        ``time`` (t + 1,), ``position`` (t + 1, n, 2); ticks: ``tick_time`` (t,), ``yaw`` (t, n), ``alive`` (t, n);
-        ``latches`` (l, 2): who holds whom in the end; ``targets`` (m, 2): cells of the structure.
+        ``time`` (t + 1,), ``position`` (t + 1, n, 2); ticks: ``tick_time`` (t,), ``yaw`` (t, n), ``alive`` (t, n),
+        ``mode`` (t, n), -1 where nothing was reported; what its values mean from 0 on, ``mode_names``;
+        ``coverage_radius`` (n,): half the side of a hull; ``period`` (); ``latches`` (l, 2): who holds whom in the end;
+        ``targets`` (m, 2): cells of the structure, with their centers in ``target_cells`` (m, 2) [m] and their edge in
+        ``cell_size`` () [m]; docks over time as `PairChanges` has them, ``dock_*``; and what `Chronicle` tells.
         """
         count, truths = self._scenario.boats, self._truths
         times = np.array([truth.time for truth in truths])
@@ -130,8 +143,16 @@ class AssemblyAccount:
             "tick_time": times,
             "yaw": np.array([truth.yaws for truth in truths]).reshape(-1, count),
             "alive": np.array([truth.alive for truth in truths], dtype=bool).reshape(-1, count),
+            "coverage_radius": np.full(count, self._scenario.sim.boats.hull.side_m / 2.0),
+            "period": np.array(self._period),
             "latches": np.array(sorted((one.boat, one.other) for one in self._latches)).reshape(-1, 2),
+            "mode": np.array(self._modes, dtype=np.int64).reshape(-1, count),
+            "mode_names": np.array([mode.name.lower() for mode in BoatMode]),
             "targets": np.array(self._mission.problem.targets),
+            "target_cells": CELL_M * np.array(self._mission.problem.targets, dtype=np.float64).reshape(-1, 2),
+            "cell_size": np.array(CELL_M),
+            **self._docks.arrays("dock"),
+            **self._chronicle.arrays(),
         }
 
     def figure(self, metrics: Metrics) -> bytes:

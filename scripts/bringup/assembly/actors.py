@@ -46,6 +46,11 @@ class AssemblyActors:
         return self.scenario.sim.period_s
 
     @property
+    def image_hz(self) -> float | None:
+        """How many images a second an overhead camera takes; None without one."""
+        return None
+
+    @property
     def world_config(self) -> BoatSimConfig:
         """Settings of the world."""
         return self.scenario.sim

@@ -8,6 +8,7 @@ from bringup.assembly.account import AssemblyAccount
 from bringup.assembly.actors import AssemblyActors
 from bringup.assembly.planning import planned
 from bringup.assembly.scenario import AssemblyScenario
+from bringup.assembly.scenes import AssemblyScenes
 from bringup.origin import Origin, blamed
 from swarm_msgs_py.errors import AssemblyError, ConfigError
 from swarm_msgs_py.types import NodeId, robot_name
@@ -42,9 +43,9 @@ class AssemblyBehavior:
         """Return what makes the actors of a resolved scenario."""
         return AssemblyActors(scenario)
 
-    def film_hz(self, scenario: AssemblyScenario) -> float | None:  # noqa: ARG002 - as the protocol has it
-        """Return None: there is no camera."""
-        return None
+    def scenes(self, scenario: AssemblyScenario) -> AssemblyScenes:
+        """Return what turns the ticks of a resolved scenario into what onlookers see."""
+        return AssemblyScenes(scenario)
 
     def account(self, scenario: AssemblyScenario) -> AssemblyAccount:
         """Return the account of a run of a resolved scenario that is about to begin."""

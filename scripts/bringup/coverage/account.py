@@ -11,6 +11,7 @@ from bringup.coverage.scenario import CoverageScenario
 from bringup.coverage.starts import LEADER
 from bringup.engine import TickRecord
 from bringup.family import Metrics
+from bringup.history import NOT_REPORTED, Chronicle
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.coverage_io import CoverageMode, CoverageReport
 from swarm_msgs_py.geometry.solids.description import solid_from
@@ -23,7 +24,6 @@ CoverageRecord = TickRecord[PointTruth, CoverageReport]
 """One tick of the coverage family."""
 
 PROBE_SEED = 0  # of the points by which coverage is measured: the same for all runs, so that methods are comparable
-NOT_REPORTED = -1
 
 
 class CoverageAccount:
@@ -44,12 +44,14 @@ class CoverageAccount:
         self.covering = Covering(self._period)
         self._events = sorted(scenario.events, key=lambda event: event.at_s)
         self._passed = 0
+        self._chronicle = Chronicle()
 
     def take(self, record: CoverageRecord) -> Verdict | None:
         """Take in one tick; return the verdict when there is one."""
         self._note_events(record)
         self.covering.take(record.truth, record.reports)
         self._truths.append(record.truth)
+        self._chronicle.take(record, map(tuple, record.truth.links.tolist()))
         modes = np.full(len(record.truth.alive), NOT_REPORTED, dtype=np.int64)
         for robot, report in record.reports.items():
             modes[robot] = report.mode
@@ -104,7 +106,8 @@ class CoverageAccount:
         """Return what ``trajectories.npz`` holds.
 
         ``time`` (t + 1,), ``position`` (t + 1, n, 3); ticks: ``tick_time`` (t,), ``alive`` (t, n), ``mode`` (t, n), -1
-        where nothing was reported.
+        where nothing was reported; what its values mean from 0 on, ``mode_names``; ``period`` (); ``link_range`` ();
+        points on the shape where it is in the end, ``surface_points`` (k, 3); and what `Chronicle` tells.
         """
         count, truths = self._scenario.robots.count, self._truths
         times = np.array([truth.time for truth in truths])
@@ -116,6 +119,11 @@ class CoverageAccount:
             "tick_time": times,
             "alive": np.array([truth.alive for truth in truths], dtype=bool).reshape(-1, count),
             "mode": np.array(self._modes, dtype=np.int64).reshape(-1, count),
+            "mode_names": np.array([mode.name.lower() for mode in CoverageMode]),
+            "period": np.array(self._period),
+            "link_range": np.array(self._scenario.agent.range_m),
+            "surface_points": self.shape_points(),
+            **self._chronicle.arrays(),
         }
 
     def figure(self, metrics: Metrics) -> bytes:
@@ -249,7 +257,9 @@ class CoverageAccount:
 def _rows(values: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return what the operator reads of the numbers."""
     covered, gap = _number(values["covered_fraction"], "", 5), _number(values["worst_gap_m"], "m")
-    placed = f"{values['placed_robots']} of {values['robots']}, deepest {values['depth_max']} links from the leader"
+    placed = f"{values['placed_robots']} of {values['robots']}"
+    if values["depth_max"] is not None:
+        placed += f", deepest {values['depth_max']} links from the leader"
     times = ", ".join(
         f"{stage} {_number(values[f'{stage}_time_s'], 's', 0)}" for stage in ("rendezvous", "approach", "expansion")
     )

@@ -61,6 +61,11 @@ class CoverageActors:
         return self.scenario.sim.period_s
 
     @property
+    def image_hz(self) -> float | None:
+        """How many images a second an overhead camera takes; None without one."""
+        return None
+
+    @property
     def world_config(self) -> PointSimConfig:
         """Settings of the world."""
         return self.scenario.sim

@@ -6,6 +6,7 @@ from bringup.coverage.account import CoverageAccount
 from bringup.coverage.actors import CoverageActors
 from bringup.coverage.resolution import resolve
 from bringup.coverage.scenario import CoverageScenario
+from bringup.coverage.scenes import CoverageScenes
 from bringup.origin import Origin
 
 
@@ -23,9 +24,9 @@ class CoverageBehavior:
         """Return what makes the actors of a resolved scenario."""
         return CoverageActors(scenario)
 
-    def film_hz(self, scenario: CoverageScenario) -> float | None:  # noqa: ARG002 - as the protocol has it
-        """Return None: there is no camera."""
-        return None
+    def scenes(self, scenario: CoverageScenario) -> CoverageScenes:
+        """Return what turns the ticks of a resolved scenario into what onlookers see."""
+        return CoverageScenes(scenario)
 
     def account(self, scenario: CoverageScenario) -> CoverageAccount:
         """Return the account of a run of a resolved scenario that is about to begin."""

@@ -71,7 +71,7 @@ def test_a_film_of_a_scenario_without_camera_is_bad_input(capsys: pytest.Capture
     words = ["--scenario", "smoke-4", "--engine", "inprocess", "--show", "--out", str(tmp_path / "run")]
 
     assert main(words) == BAD_INPUT
-    assert "--show: scenario 'smoke-4' has no camera" in capsys.readouterr().err
+    assert "--show: 'smoke-4' has no camera" in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
 
 

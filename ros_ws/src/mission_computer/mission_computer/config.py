@@ -84,7 +84,8 @@ class MissionConfig(Config):
         """What plans ask of the robots; by default what suits the method."""
         if self.task is not None:
             return self.task
-        return Task.PARTITION if self.partition.method is Method.VORONOI else Task.GOALS
+        is_own = self.partition.method is Method.VORONOI and self.partition.extension is None
+        return Task.PARTITION if is_own else Task.GOALS
 
     def __post_init__(self) -> None:
         """Check that the pauses are in order.

@@ -19,7 +19,7 @@ from swarm_agent.decision.by_task import ByTask
 from swarm_agent.decision.consensus import Consensus
 from swarm_agent.decision.goal_seeking import GoalSeeking
 from swarm_agent.decision.homing import Home, home_destination
-from swarm_agent.decision.strategy import Decision, Strategy
+from swarm_agent.decision.strategy import Decision, Means, Strategy
 from swarm_agent.energy import EnergyStore
 from swarm_agent.forces.forming import ForceForming
 from swarm_agent.localization.camera_fixes import CameraFixReceiver, SeenFrom
@@ -31,6 +31,7 @@ from swarm_agent.localization.positioning import PositioningMonitor, Signs
 from swarm_agent.planning.path_planner import PathPlanner, planner_for
 from swarm_msgs_py.binary import COORDINATE_MAX
 from swarm_msgs_py.body_codec import encode_body
+from swarm_msgs_py.extensions import STRATEGIES, extension
 from swarm_msgs_py.messages.bodies import Plan, Report
 from swarm_msgs_py.messages.control import STOP, VelocityCommand
 from swarm_msgs_py.messages.radio import SIGMA_UNKNOWN, Delivery, Presence
@@ -106,6 +107,11 @@ class Agent:
             robot, robot_type, config=config.forces, planning=config.planning, mesh=self._mesh, period_s=period_s
         )
         self._strategy: Strategy = ByTask(self._consensus, goals, forces)
+        if config.decision.strategy is not None:
+            means = Means(
+                robot, robot_type, period_s, config.decision, config.planning, self._mesh, self._consensus, obstacles
+            )
+            self._strategy = extension(STRATEGIES, config.decision.strategy)(means)
         self._period = period_s
         self._facing = Facing(config.control)
         self._follower = PathFollower(config.control, period_s, robot_type.coverage_radius_m)

@@ -211,7 +211,17 @@ def full_key(cls: type[Config], key: str, where: str) -> str:
         return fits[0]
     if fits:
         raise ConfigError(f"{where}: '{key}' could be {' or '.join(fits)}; write one of them in full")
-    raise ConfigError(f"{where}: unknown key '{key}'; {_suggest(key, keys)}")
+    raise ConfigError(f"{where}: unknown key '{key}'; {_nearest_key(key, keys)}")
+
+
+def _nearest_key(word: str, keys: list[str]) -> str:
+    """Return the remedy for an unknown dotted key: the one that ends most like it, or in a word most like its last."""
+    endings = {".".join(parts[k:]): key for key in keys for parts in [key.split(".")] for k in range(len(parts))}
+    for wanted in (word, word.rpartition(".")[2]):
+        near = difflib.get_close_matches(wanted, list(endings), n=1, cutoff=0.7)
+        if near:
+            return f"did you mean '{endings[near[0]]}'?"
+    return "scripts/launch_swarm.py --explain prints all keys"
 
 
 def at(where: str, key: str) -> str:

@@ -121,6 +121,7 @@ CAMERA_VIEW = Channel("/mission/camera/annotated", "sensor_msgs/msg/Image", Part
 MARKERS = Channel("/viz/markers", "visualization_msgs/msg/MarkerArray", Party.MISSION, Party.VIEWERS, _LATCHED)
 
 CLOCK = Channel("/clock", "rosgraph_msgs/msg/Clock", Party.WORLD, Party.EVERYONE, _NEWEST)
+ROBOT_MARKERS = Channel("/viz/robots", "visualization_msgs/msg/MarkerArray", Party.WORLD, Party.VIEWERS, _NEWEST)
 TRUTH = Channel("/world/truth", "geometry_msgs/msg/PoseArray", Party.WORLD, Party.VIEWERS, _NEWEST)
 KILL_ROBOT = Channel("/world/kill_robot", "std_msgs/msg/UInt16", Party.OPERATOR, Party.WORLD, _EVERY)
 
@@ -145,7 +146,7 @@ ROBOT_CHANNELS = (*ROBOT_SENSORS, *ROBOT_ANSWERS, *ROBOT_VIEWS)
 MISSION_CHANNELS = (RADIO_RX, RADIO_TX)
 """Per-node topics of the mission computer."""
 
-SINGLE_CHANNELS = (CLOCK, SHAPE, GOALS, MARKERS, TRUTH, KILL_ROBOT)
+SINGLE_CHANNELS = (CLOCK, SHAPE, GOALS, MARKERS, ROBOT_MARKERS, TRUTH, KILL_ROBOT)
 """Topics that exist once."""
 
 CAMERA_CHANNELS = (CAMERA_IMAGE, CAMERA_INFO, CAMERA_VIEW)
@@ -158,12 +159,29 @@ RESUME_SERVICE = "/world/resume"
 """``std_srvs/srv/Trigger``: let simulated time go on."""
 
 
+def power_service(robot: NodeId) -> str:
+    """Return the name of the ``std_srvs/srv/SetBool`` that kills a robot (false), or switches it on (true)."""
+    return f"/world/power/{robot_name(robot)}"
+
+
+def channels_by_topic(
+    robots: tuple[NodeId, ...],
+    sensors: tuple[Channel, ...] = ROBOT_SENSORS,
+    shown: tuple[Channel, ...] = ROBOT_VIEWS,
+    *,
+    has_camera: bool = False,
+) -> dict[str, Channel]:
+    """Return the channel of every topic of a swarm, by name; of robots with these sensors, showing that to viewers."""
+    channels = (*sensors, *ROBOT_ANSWERS, *shown)
+    table = {channel.topic(robot): channel for robot in robots for channel in channels}
+    table |= {channel.topic(MISSION): channel for channel in MISSION_CHANNELS}
+    singles = (*SINGLE_CHANNELS, *CAMERA_CHANNELS) if has_camera else SINGLE_CHANNELS
+    return table | {channel.topic(): channel for channel in singles}
+
+
 def all_topics(
     robots: tuple[NodeId, ...], sensors: tuple[Channel, ...] = ROBOT_SENSORS, *, has_camera: bool = False
 ) -> dict[str, str]:
     """Return the type of every topic of a swarm, by name; of robots with these sensors."""
-    channels = (*sensors, *ROBOT_ANSWERS, *ROBOT_VIEWS)
-    table = {channel.topic(robot): channel.message for robot in robots for channel in channels}
-    table |= {channel.topic(MISSION): channel.message for channel in MISSION_CHANNELS}
-    singles = (*SINGLE_CHANNELS, *CAMERA_CHANNELS) if has_camera else SINGLE_CHANNELS
-    return table | {channel.topic(): channel.message for channel in singles}
+    table = channels_by_topic(robots, sensors, has_camera=has_camera)
+    return {topic: channel.message for topic, channel in table.items()}

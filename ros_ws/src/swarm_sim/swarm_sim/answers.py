@@ -105,6 +105,10 @@ class AnswerBook:
         self._outboxes.pop(node, None)
         self._late.pop(node, None)
 
+    def add(self, node: NodeId) -> None:
+        """Expect answers from a node that is switched on, from the next tick on."""
+        self._live.add(node)
+
     def close(self) -> Answers:
         """End the tick and return what has come in; whoever is missing is silent from now on."""
         complete = frozenset(self._outboxes) & (frozenset(self._commands) | {MISSION})

@@ -34,7 +34,7 @@ class Electronics:
     deaths : mapping of NodeId to int
         The tick from which on a node is dead, for those that are to die.
     arrivals : mapping of NodeId to int, optional
-        The tick from which on a node works, for those that are not there from the start.
+        The tick from which on a node works, for those that come later; off before, or since its death.
 
     Attributes
     ----------
@@ -64,8 +64,10 @@ class Electronics:
         self._inboxes: list[tuple[bytes, ...]] = [()] * len(nodes)
         self._table: LinkTable | None = None
         self._deaths, self._died = dict(deaths), list[NodeId]()
-        self._arrivals = dict(arrivals)
-        self.alive[[self.row[node] for node in self._arrivals]] = False
+        self._arrivals, self._arrived = dict(arrivals), list[NodeId]()
+        for node, tick in self._arrivals.items():
+            if self._deaths.get(node, tick) >= tick:
+                self.alive[self.row[node]] = False
         self._keep_appointments(0)
 
     @property
@@ -95,7 +97,7 @@ class Electronics:
         self.traffic = self._medium.transmit(tick, live, self.links(antennas))
 
     def kill(self, tick: int, node: NodeId) -> bool:
-        """Let a node work no more; return whether it did until now.
+        """Let a node work no more, also if it was to come later; return whether it did until now.
 
         Raises
         ------
@@ -103,12 +105,20 @@ class Electronics:
             If it does not exist.
         """
         self._arrivals.pop(node, None)
-        if not self.is_alive(node):
+        return self._switch_off(tick, node)
+
+    def revive(self, tick: int, node: NodeId) -> bool:
+        """Let a node work from now on; return whether it did not until now.
+
+        Raises
+        ------
+        KeyError
+            If it does not exist.
+        """
+        if self.is_alive(node):
             return False
-        logger.info("tick %d: %s died", tick, node_name(node))
-        self.alive[self.row[node]] = False
-        self._medium.silence(node)
-        self._inboxes[self.row[node]] = ()
+        logger.info("tick %d: %s is switched on", tick, node_name(node))
+        self.alive[self.row[node]] = True
         self._table = None
         return True
 
@@ -123,21 +133,42 @@ class Electronics:
         self._keep_appointments(tick)
 
     def _keep_appointments(self, tick: int) -> None:
-        for node in sorted(node for node, appointed in self._arrivals.items() if appointed <= tick):
-            del self._arrivals[node]
-            self.alive[self.row[node]] = True
         for node in sorted(node for node, appointed in self._deaths.items() if appointed <= tick):
             del self._deaths[node]
-            self.kill(tick, node)
+            self._switch_off(tick, node)
             self._died.append(node)
+        for node in sorted(node for node, appointed in self._arrivals.items() if appointed <= tick):
+            del self._arrivals[node]
+            self.revive(tick, node)
+            self._arrived.append(node)
+
+    def _switch_off(self, tick: int, node: NodeId) -> bool:
+        if not self.is_alive(node):
+            return False
+        logger.info("tick %d: %s died", tick, node_name(node))
+        self.alive[self.row[node]] = False
+        self._medium.silence(node)
+        self._inboxes[self.row[node]] = ()
+        self._table = None
+        return True
 
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because it was appointed, in the order of their deaths."""
         died, self._died = tuple(self._died), []
         return died
 
+    def take_arrived(self) -> tuple[NodeId, ...]:
+        """Return, once, the nodes that were switched on because it was appointed, in that order."""
+        arrived, self._arrived = tuple(self._arrived), []
+        return arrived
+
 
 def death_line(node: NodeId) -> str:
     """Return what the operator reads when a node dies because the scenario says so."""
     what = "is switched off" if node == MISSION else "dies"
     return f"{node_name(node)} {what}, as the scenario says"
+
+
+def arrival_line(node: NodeId) -> str:
+    """Return what the operator reads when a robot is switched on because the scenario says so."""
+    return f"{node_name(node)} is switched on, as the scenario says"

@@ -15,7 +15,7 @@ from swarm_msgs_py.step_io import AgentInputs, MissionInputs
 from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 from swarm_sim.camera.feed import CameraFeed
 from swarm_sim.config import SimConfig
-from swarm_sim.electronics import Electronics, death_line
+from swarm_sim.electronics import Electronics
 from swarm_sim.radio.links import LinkTable, make_links
 from swarm_sim.radio.medium import RadioTraffic
 from swarm_sim.scene import RobotSpec, Scene, check_scene
@@ -25,7 +25,7 @@ from swarm_sim.world.clearance import clearance
 from swarm_sim.world.obstacles import ObstacleField
 from swarm_sim.world.registry import make_world
 
-__all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth", "death_line"]
+__all__ = ["Observation", "RadioTraffic", "RobotSpec", "Scene", "Simulation", "TickTruth"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +79,8 @@ class Simulation:
     deaths : mapping of NodeId to int, optional
         The tick from which on the electronics of a robot, or of `MISSION`, are dead, as `kill` makes them, for those
         that are to die.
+    arrivals : mapping of NodeId to int, optional
+        The tick from which on a robot is switched on, for those that come later; off before, or since its death.
 
     Raises
     ------
@@ -89,7 +91,12 @@ class Simulation:
     """
 
     def __init__(
-        self, config: SimConfig, scene: Scene, seed: int, deaths: Mapping[NodeId, int] = MappingProxyType({})
+        self,
+        config: SimConfig,
+        scene: Scene,
+        seed: int,
+        deaths: Mapping[NodeId, int] = MappingProxyType({}),
+        arrivals: Mapping[NodeId, int] = MappingProxyType({}),
     ) -> None:
         check_scene(scene)
         self.robots: tuple[NodeId, ...] = tuple(robot.id for robot in scene.robots)
@@ -99,7 +106,7 @@ class Simulation:
         self._obstacles = ObstacleField(scene.obstacles)
         links = make_links(config.radio, self._obstacles)
         nodes = (*self.robots, MISSION)
-        self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths)
+        self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths, arrivals)
         self._sensors = SensorSuite(config, scene, self._obstacles, seed)
         self._world = make_world(config, scene, seed)
         self._camera = CameraFeed(config.camera, scene.markers, seed) if config.camera.is_on else None
@@ -214,6 +221,35 @@ class Simulation:
             return
         if self._observed is not None:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
+
+    def revive(self, node: NodeId) -> None:
+        """Switch a robot's electronics on, where its body stands; its sensors and its radio work from now on.
+
+        Raises
+        ------
+        KeyError
+            If the address is not in the scene.
+        """
+        if self._electronics.revive(self._tick, node):
+            self._observed = None
+
+    @property
+    def radii(self) -> FloatArray:
+        """Coverage radius of each robot, in the order of `robots` [m]."""
+        return self._radii
+
+    @property
+    def links(self) -> tuple[tuple[int, int], ...]:
+        """Rows of robots that can hear each other now, each pair once."""
+        return self._current_links().pairs(len(self.robots))
+
+    def is_on(self, node: NodeId) -> bool:
+        """Return whether a robot's electronics, or the mission computer's, work."""
+        return self._electronics.is_alive(node)
+
+    def take_arrived(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that were switched on because `arrivals` says so, in that order."""
+        return self._electronics.take_arrived()
 
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""

@@ -105,6 +105,28 @@ class TickedWorld(Protocol):
         """End a node's electronics."""
         ...
 
+    def revive(self, node: NodeId) -> None:
+        """Switch a node's electronics on, where its body stands."""
+        ...
+
+    def is_on(self, node: NodeId) -> bool:
+        """Return whether a node's electronics work."""
+        ...
+
+    @property
+    def radii(self) -> FloatArray:
+        """How large robots are drawn, in the order of `robots`, (n,) [m]."""
+        ...
+
+    @property
+    def links(self) -> tuple[tuple[int, int], ...]:
+        """Rows of robots that can hear each other now, each pair once."""
+        ...
+
+    def take_arrived(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that were switched on because the scenario says so."""
+        ...
+
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because the scenario says so."""
         ...

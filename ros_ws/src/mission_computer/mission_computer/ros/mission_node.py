@@ -17,7 +17,7 @@ from sensor_msgs.msg import CameraInfo
 from mission_computer.config import MissionConfig
 from mission_computer.input_assembler import InputAssembler
 from mission_computer.mission import Mission
-from mission_computer.shape import load_shape
+from mission_computer.shape import Placement, placed_shape
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
@@ -61,7 +61,10 @@ class Steps(Protocol):
 class MissionIdentity(Config):
     """What a mission computer node started by itself is to do."""
 
-    shape: str = setting("hw_2_square", "shape to form: library name, file or points")
+    shape: str = setting("hw_2_square", "shape to form: library name, file, text:TEXT or points")
+    room_m2: float = setting(
+        6.0, "the shape is made this large per robot; 0: it is as large as it is", unit="m^2", minimum=0.0
+    )
     counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
     period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
 
@@ -88,6 +91,8 @@ class MissionNode(Node):
         Control period [s].
     on_step : callable or None
         Is handed what the mission computer answered, after it was sent.
+    view_period_s : float, optional
+        Least wall time between two pictures for viewers [s].
     **options
         Of `rclpy.node.Node`.
     """
@@ -97,6 +102,8 @@ class MissionNode(Node):
         mission: Steps,
         period_s: float,
         on_step: Callable[[MissionOutputs], None] | None = None,
+        *,
+        view_period_s: float = views.VIEW_PERIOD_S,
         **options: Any,
     ) -> None:
         super().__init__(NAME, namespace=NAMESPACE, **options)
@@ -107,7 +114,7 @@ class MissionNode(Node):
         self._goals = channels.publisher(self, topics.GOALS)
         self._markers = channels.publisher(self, topics.MARKERS)
         self._assembler = InputAssembler(period_s, self._take_order)
-        self._picture = views.View(self, topics.CAMERA_VIEW) if mission.has_camera else None
+        self._picture = views.View(self, topics.CAMERA_VIEW, period_s=view_period_s) if mission.has_camera else None
         channels.subscription(self, topics.SHAPE, self._take_shape)
         if mission.has_camera:
             channels.subscription(self, topics.CAMERA_INFO, self._take_info)
@@ -169,7 +176,8 @@ def _from_parameters(context: Context) -> MissionNode:
         config = parameters.declare_config(reader, MissionConfig())
         network = parameters.declare_config(reader, NetworkConfig())
     roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
-    shape = load_shape(identity.shape)
+    area = identity.room_m2 * roster.size
+    shape = placed_shape(identity.shape, Placement(area=area or None))
     mission = Mission(config, network, roster, (), shape, identity.period_s)
     node = MissionNode(mission, identity.period_s, context=context)
     for settings in (identity, config, network):

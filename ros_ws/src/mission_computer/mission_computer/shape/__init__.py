@@ -1,7 +1,17 @@
 """What the swarm is to look like: shapes from names, files and points, checked before anything starts."""
 
 from mission_computer.shape.library import arena_names, library_names
-from mission_computer.shape.source import load_shape
+from mission_computer.shape.placement import Placement
+from mission_computer.shape.source import TEXT_PREFIX, is_drawing, load_shape, placed_shape
 from mission_computer.shape.validation import check_inside
 
-__all__ = ["arena_names", "check_inside", "library_names", "load_shape"]
+__all__ = [
+    "Placement",
+    "TEXT_PREFIX",
+    "arena_names",
+    "check_inside",
+    "is_drawing",
+    "library_names",
+    "load_shape",
+    "placed_shape",
+]

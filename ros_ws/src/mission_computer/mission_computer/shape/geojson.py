@@ -1,4 +1,4 @@
-"""The one polygon in a GeoJSON document (RFC 7946), its coordinates read as metres."""
+"""The polygons in a GeoJSON document (RFC 7946), their coordinates read as metres."""
 
 from __future__ import annotations
 
@@ -9,34 +9,36 @@ from swarm_msgs_py.errors import ShapeError
 _REMEDY = "give a Polygon, or a Feature or FeatureCollection that holds one"
 
 
-def geojson_ring(record: Mapping[str, object], name: str) -> list[object]:
-    """Return the outer ring of the only polygon in a GeoJSON object, heights dropped.
+def geojson_parts(record: Mapping[str, object], name: str) -> list[list[object]]:
+    """Return the rings of every polygon in a GeoJSON object, the outer one first, heights dropped.
 
     Parameters
     ----------
     record : mapping
-        Parsed GeoJSON: Polygon, MultiPolygon of one, Feature, FeatureCollection or GeometryCollection.
+        Parsed GeoJSON: Polygon, MultiPolygon, Feature, FeatureCollection or GeometryCollection.
     name : str
         What to call the source in errors.
 
     Raises
     ------
     ShapeError
-        If there is no polygon, more than one, or one with holes.
+        If there is no polygon, or one is no list of rings.
     """
     polygons = list(_polygons(record, name))
     if not polygons:
         raise ShapeError(f"{name}: holds no polygon; {_REMEDY}")
-    if len(polygons) > 1:
-        raise ShapeError(f"{name}: holds {len(polygons)} polygons, and a swarm forms one; keep one of them")
-    (rings,) = polygons
-    if not isinstance(rings, list) or not rings:
+    return [_rings(polygon, name) for polygon in polygons]
+
+
+def _rings(polygon: object, name: str) -> list[object]:
+    if not isinstance(polygon, list) or not polygon:
         raise ShapeError(f"{name}: the polygon is empty; give at least 3 vertices")
-    if len(rings) > 1:
-        raise ShapeError(f"{name}: the polygon has {len(rings) - 1} hole(s), which are not supported; remove them")
-    if not isinstance(rings[0], list):
-        raise ShapeError(f"{name}: polygon coordinates must be a list of rings; wrap the ring in one more list")
-    return [row[:2] if isinstance(row, list) and len(row) == 3 else row for row in rings[0]]
+    rings: list[object] = []
+    for ring in polygon:
+        if not isinstance(ring, list):
+            raise ShapeError(f"{name}: polygon coordinates must be a list of rings; wrap the ring in one more list")
+        rings.append([row[:2] if isinstance(row, list) and len(row) == 3 else row for row in ring])
+    return rings
 
 
 def _polygons(record: object, name: str) -> Iterator[object]:

@@ -1,22 +1,33 @@
-"""A shape from wherever the operator has it: library name, file, or points."""
+"""A shape from wherever the operator has it: library name, file, drawing, picture, text, or points."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
+import shapely
+from shapely import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.validation import explain_validity
 
-from mission_computer.shape.geojson import geojson_ring
+from mission_computer.shape.detail import simplified, without_specks
+from mission_computer.shape.geojson import geojson_parts
 from mission_computer.shape.library import library_names, library_points
-from mission_computer.shape.validation import validate
+from mission_computer.shape.placement import Placement
+from mission_computer.shape.validation import checked_ring, validate
 from swarm_msgs_py.errors import ShapeError
-from swarm_msgs_py.geometry.contour import area_centroid
+from swarm_msgs_py.geometry.bridges import one_contour
+from swarm_msgs_py.geometry.contour import area_centroid, signed_area
 from swarm_msgs_py.types import FloatArray
 
 FILE_BYTES_MAX = 10_000_000  # a contour of 100 000 vertices; more is a wrong file, not a shape
+TEXT_PREFIX = "text:"
+DRAWING_SUFFIXES = (".svg",)
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".tif", ".tiff", ".pbm", ".pgm")
 
 ShapeSource = str | Path | Sequence[Sequence[float]] | FloatArray
 
@@ -28,75 +39,128 @@ def load_shape(
     rotation: float = 0.0,
     translation: tuple[float, float] = (0.0, 0.0),
 ) -> FloatArray:
-    """Return the contour that `source` describes.
+    """Return the contour that `source` describes; as `placed_shape`, with the placement in short."""
+    return placed_shape(source, Placement(scale=scale, rotation=rotation, translation=translation))
+
+
+def placed_shape(source: ShapeSource, placement: Placement, font: str | None = None) -> FloatArray:
+    """Return the contour that `source` describes, placed.
 
     Parameters
     ----------
     source : str, path or (n, 2) points
-        Library name, path of a JSON file (GeoJSON; a list of points; or an object with ``vertices``), JSON text, or the
-        points themselves. Coordinates are metres in the world frame, in GeoJSON too.
-    scale : float
-        Size factor about the center of area, > 0.
-    rotation : float
-        Turn about the center of area, counter-clockwise [rad].
-    translation : (x, y)
-        Shift after that [m].
+        Library name; path of a JSON file (GeoJSON; a list of points; or an object with ``vertices``), of an SVG drawing
+        or of a picture; ``text:`` with a text; JSON text; or the points themselves. Coordinates are metres in the world
+        frame, in GeoJSON too; drawings, pictures and texts have no unit of length: one unit, one pixel or the size of
+        the font is a metre before they are placed.
+    placement : Placement
+    font : str or None
+        For a text: family with style, or a font file; None for the one that is always there.
 
     Returns
     -------
     (k, 2) array
-        Simple contour, counter-clockwise, first vertex not repeated.
+        Simple contour, counter-clockwise, first vertex not repeated. Parts are joined by bridges and holes are opened
+        by slits, both too narrow to matter (`swarm_msgs_py.geometry.bridges`).
 
     Raises
     ------
     ShapeError
         One line that names the source, what is wrong and what to do.
     """
-    name, points = _read(source)
-    if not (math.isfinite(scale) and scale > 0.0):
-        raise ShapeError(f"{name}: scale must be a number > 0, got {scale:g}")
-    if not all(math.isfinite(number) for number in (rotation, *translation)):
-        raise ShapeError(f"{name}: rotation and translation must be finite, got {rotation:g} and {translation}")
+    name, region = _read(source, font)
+    placement.check(name)
+    if isinstance(region, np.ndarray):
+        return _placed_ring(region, placement, name)
+    return _placed_region(region, placement, name)
+
+
+def is_drawing(source: ShapeSource) -> bool:
+    """Return whether a source has no unit of length: a drawing, a picture, a text."""
+    if isinstance(source, str) and source.startswith(TEXT_PREFIX):
+        return True
+    is_path = isinstance(source, str | Path) and source not in library_names()
+    return is_path and Path(str(source)).suffix.lower() in DRAWING_SUFFIXES + PICTURE_SUFFIXES
+
+
+def _placed_ring(points: FloatArray, placement: Placement, name: str) -> FloatArray:
     contour = validate(points, name)
-    if scale == 1.0 and rotation == 0.0 and translation == (0.0, 0.0):
+    if placement.is_none:
         return contour
-    center = area_centroid(contour)
-    turn = np.array([[math.cos(rotation), math.sin(rotation)], [-math.sin(rotation), math.cos(rotation)]])
-    return validate(center + scale * (contour - center) @ turn + translation, name)
+    extent = contour.max(axis=0) - contour.min(axis=0)
+    factor = placement.factor((float(extent[0]), float(extent[1])), signed_area(contour))
+    return validate(placement.moved(contour, area_centroid(contour), factor), name)
 
 
-def _read(source: ShapeSource) -> tuple[str, FloatArray]:
-    """Return what to call the source in errors, and its unchecked (n, 2) points."""
+def _placed_region(region: BaseGeometry, placement: Placement, name: str) -> FloatArray:
+    whole = without_specks(region)
+    fewer = simplified(whole, name)
+    center, growth = np.array(fewer.centroid.coords[0]), float(np.sqrt(whole.area / fewer.area))
+    fewer = shapely.transform(fewer, lambda points: center + growth * (points - center))
+    try:
+        return validate(one_contour(placement.of_region(fewer)), name)
+    except ShapeError as error:
+        text = str(error)
+        raise ShapeError(text if text.startswith(name) else f"{name}: {text}") from None
+
+
+def _read(source: ShapeSource, font: str | None) -> tuple[str, FloatArray | BaseGeometry]:
+    """Return what to call the source in errors, and its unchecked (n, 2) points, or its region if there are several."""
     if isinstance(source, str):
         if source in library_names():
             return f"shape '{source}'", library_points(source)
+        if source.startswith(TEXT_PREFIX):
+            text = source.removeprefix(TEXT_PREFIX)
+            region: BaseGeometry = _reader("lettering").text_region(text, font)
+            return f"text '{text}'", region
         if source.lstrip().startswith(("[", "{")):
             return "inline shape", _parse(source, "inline shape")
         if not _looks_like_file(source):
             return source, library_points(source)
     if isinstance(source, str | Path):
-        return str(source), _parse(_text_of(Path(source)), str(source))
+        return str(source), _read_file(Path(source))
     return "inline shape", _points(source, "inline shape")
+
+
+def _reader(module: str) -> ModuleType:
+    """Return a module that reads drawings; only who has one waits for its libraries."""
+    return import_module(f"mission_computer.shape.{module}")
 
 
 def _looks_like_file(source: str) -> bool:
     return bool(Path(source).suffix) or "/" in source or "\\" in source or Path(source).is_file()
 
 
-def _text_of(path: Path) -> str:
+def _read_file(path: Path) -> FloatArray | BaseGeometry:
+    suffix = path.suffix.lower()
+    _check_size(path)
+    if suffix in PICTURE_SUFFIXES:
+        return _reader("bitmap").bitmap_region(path)
+    if suffix in DRAWING_SUFFIXES:
+        return _reader("svg").svg_region(_text_of(path), str(path))
+    return _parse(_text_of(path), str(path))
+
+
+def _check_size(path: Path) -> None:
     try:
         if path.stat().st_size > FILE_BYTES_MAX:
             raise ShapeError(f"{path}: larger than {FILE_BYTES_MAX // 1_000_000} MB; give one contour")
-        return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise ShapeError(f"{path}: no such file; give a library name or the path of a JSON file") from None
+        raise ShapeError(f"{path}: no such file; give a library name or the path of a file") from None
+    except OSError as error:
+        raise ShapeError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from None
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         raise ShapeError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from None
     except UnicodeDecodeError:
-        raise ShapeError(f"{path}: not a text file; give GeoJSON or a JSON list of points") from None
+        raise ShapeError(f"{path}: not a text file; give GeoJSON, SVG, a picture or a JSON list of points") from None
 
 
-def _parse(text: str, name: str) -> FloatArray:
+def _parse(text: str, name: str) -> FloatArray | BaseGeometry:
     try:
         record = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
@@ -105,8 +169,27 @@ def _parse(text: str, name: str) -> FloatArray:
     if isinstance(record, dict) and "vertices" in record:
         return _points(record["vertices"], name)
     if isinstance(record, dict):
-        return _points(geojson_ring(record, name), name)
+        parts = [[_points(ring, name) for ring in rings] for rings in geojson_parts(record, name)]
+        return parts[0][0] if len(parts) == 1 and len(parts[0]) == 1 else _assembled(parts, name)
     return _points(record, name)
+
+
+def _assembled(parts: Sequence[Sequence[FloatArray]], name: str) -> Polygon | MultiPolygon:
+    """Return polygons with holes as one region.
+
+    Raises
+    ------
+    ShapeError
+        If a ring is no contour, or rings cross.
+    """
+    rings = [[checked_ring(ring, name) for ring in part] for part in parts]
+    polygons = [Polygon(outer, holes) for outer, *holes in rings]
+    region = polygons[0] if len(polygons) == 1 else MultiPolygon(polygons)
+    if not region.is_valid:
+        raise ShapeError(
+            f"{name}: {explain_validity(region)}; parts must not overlap, and holes must lie inside of their part"
+        )
+    return region
 
 
 def _points(rows: object, name: str) -> FloatArray:

@@ -6,11 +6,11 @@ import numpy as np
 from shapely import LinearRing, Polygon
 from shapely.validation import explain_validity
 
+from mission_computer.shape.detail import VERTICES_MAX, simplified
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.geometry.contour import area_centroid, signed_area
 from swarm_msgs_py.types import FloatArray
 
-VERTICES_MAX = 128  # contour bytes in the plan frame: 4 per vertex, half a KiB at this number
 SAME_POINT = 1e-6  # [m]; vertices nearer than this are one vertex
 COORDINATE_MAX = 1e5  # [m]; farther than any robot gets
 FLATNESS_MIN = 1e-6  # area over squared perimeter; a 1 m wide strip could be 250 km long
@@ -37,6 +37,11 @@ def validate(points: FloatArray, name: str) -> FloatArray:
         If a coordinate is not finite or too large, fewer than three vertices differ, the contour crosses or touches
         itself (with the place), encloses no area, or cannot be told with `VERTICES_MAX` vertices.
     """
+    return np.ascontiguousarray(simplify(checked_ring(points, name), name))
+
+
+def checked_ring(points: FloatArray, name: str) -> FloatArray:
+    """Return the points as a counter-clockwise contour of any number of vertices; as `validate` in all else."""
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         x, y = points[bad[0]]
@@ -51,7 +56,7 @@ def validate(points: FloatArray, name: str) -> FloatArray:
     _check_simple(contour, name)
     if signed_area(contour) < 0.0:
         contour = contour[::-1]
-    return np.ascontiguousarray(simplify(contour, name))
+    return contour
 
 
 def simplify(contour: FloatArray, name: str) -> FloatArray:
@@ -60,21 +65,12 @@ def simplify(contour: FloatArray, name: str) -> FloatArray:
     Raises
     ------
     ShapeError
-        If so few vertices cannot tell this shape (a coast line, a scan with noise).
+        If so few vertices cannot tell this shape.
     """
     if len(contour) <= VERTICES_MAX:
         return contour
     polygon = Polygon(contour)
-    low, high = 0.0, float(np.sqrt(polygon.area))
-    for _ in range(40):  # bisection for the smallest tolerance that gets below the limit
-        middle = 0.5 * (low + high)
-        if len(polygon.simplify(middle).exterior.coords) - 1 > VERTICES_MAX:
-            low = middle
-        else:
-            high = middle
-    fewer = polygon.simplify(high)
-    if fewer.is_empty or not 0.95 <= fewer.area / polygon.area <= 1.05:
-        raise ShapeError(f"{name}: {len(contour)} vertices are too much detail; smooth it to {VERTICES_MAX} vertices")
+    fewer = simplified(polygon, name)
     simple = np.array(fewer.exterior.coords, dtype=np.float64)[:-1]
     # Cutting corners loses area (a circle becomes an inscribed polygon); the robots were promised all of it.
     center = area_centroid(simple)

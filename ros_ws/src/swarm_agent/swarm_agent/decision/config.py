@@ -58,6 +58,11 @@ class DecisionConfig(Config):
     weight: WeightConfig = section(WeightConfig, "how much this robot's path counts")
     swap: SwapConfig = section(SwapConfig, "exchange of goals with a robot that stands in the way")
 
+    strategy: str | None = setting(
+        None,
+        "instead of what suits the plan's method: a decision method that an installed package adds, by its name"
+        " (docs/extending.md)",
+    )
     cost_step_m: float = setting(
         0.01,
         "robots tell each other path lengths in whole steps of this, up to 65,534; the same for the whole swarm",

@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from swarm_agent.decision.config import DecisionConfig
+from swarm_agent.decision.consensus import Consensus
+from swarm_agent.planning.config import PlanningConfig
 from swarm_msgs_py.messages.report import Mode
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.networking.network import Network
+from swarm_msgs_py.robots import RobotType
+from swarm_msgs_py.types import FloatArray, NodeId
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +40,39 @@ class Decision:
     obstacles: tuple[FloatArray, ...]
     velocity: FloatArray | None = None
     drift: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Means:
+    """What a decision method works with; a class that an installed package adds is made with it.
+
+    Attributes
+    ----------
+    robot : NodeId
+        Who decides.
+    robot_type : RobotType
+        Its mechanics; goals are made for a type.
+    period_s : float
+        Control period [s].
+    config : DecisionConfig
+    planning : PlanningConfig
+        How `swarm_agent.planning.path_planner.planner_for` plans.
+    mesh : Network
+        The robot's radio network: neighbors with what their hellos say, routes, sending and flooding.
+    consensus : Consensus
+        The robot's copy of the plan in force (`plan`, None before one was heard), and of the cost rows.
+    obstacles : tuple of (m, 2) array
+        Map known before a plan brings one [m].
+    """
+
+    robot: NodeId
+    robot_type: RobotType
+    period_s: float
+    config: DecisionConfig
+    planning: PlanningConfig
+    mesh: Network
+    consensus: Consensus
+    obstacles: tuple[FloatArray, ...]
 
 
 class Strategy(Protocol):

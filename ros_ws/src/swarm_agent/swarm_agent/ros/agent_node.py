@@ -80,6 +80,8 @@ class AgentNode(Node):
     on_failure : callable or None
         Is handed what the agent, or sending its answer, raised; from then on the node keeps silent, until its owner
         destroys it. None lets the exception end the process, as is right for a robot that has it to itself.
+    view_period_s : float
+        Wall time between two messages for viewers [s]; 0: one in every tick.
     **options
         Of `rclpy.node.Node`.
     """
@@ -92,6 +94,8 @@ class AgentNode(Node):
         on_step: Callable[[Any], None] | None = None,
         on_failure: Callable[[Exception], None] | None = None,
         dialect: Dialect[Any, Any, Any] = FORMATION,
+        *,
+        view_period_s: float = views.VIEW_PERIOD_S,
         **options: Any,
     ) -> None:
         super().__init__(NAME, namespace=robot_name(robot), **options)
@@ -101,7 +105,7 @@ class AgentNode(Node):
         self._assembler = InputAssembler(period_s, dialect.join, dialect.required)
         self._command = channels.publisher(self, topics.CMD_VEL, robot)
         self._radio = channels.publisher(self, topics.RADIO_TX, robot)
-        self._views = [(views.View(self, channel, robot), make) for channel, make in dialect.views]
+        self._views = [(views.View(self, channel, robot, view_period_s), make) for channel, make in dialect.views]
         for sense in dialect.senses:
             self._listen_to(sense)
         self._listen(topics.RADIO_RX, convert.decode_frames, self._assembler.put_batch)

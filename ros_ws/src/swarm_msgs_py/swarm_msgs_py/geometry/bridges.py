@@ -1,7 +1,7 @@
-"""Shapes of several parts as one simple contour, with bridges too narrow for any robot between the parts.
+"""Shapes of several parts, or with holes, as one simple contour.
 
-For whoever orders such a shape: the stages of a scenario, and tools that draw shapes. What comes after that takes it as
-any other contour.
+Bridges too narrow for any robot join the parts, slits as narrow open the holes to the outside. For whoever orders such
+a shape: the stages of a scenario, and what reads drawings. What comes after that takes it as any other contour.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from shapely import Polygon
+from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from swarm_msgs_py.errors import ShapeError
@@ -49,6 +49,55 @@ def bridged(parts: Sequence[FloatArray]) -> FloatArray:
                 "a bridge between parts of the shape would enclose a hole; give the parts in another order"
             )
     return _outline(whole)
+
+
+def one_contour(region: Polygon | MultiPolygon) -> FloatArray:
+    """Return one simple contour around a region that may have several parts, and holes.
+
+    Each hole is opened by a slit of `BRIDGE_M` where it is nearest to what is outside, each part is joined by a bridge
+    of that width where it is nearest to the others.
+
+    Parameters
+    ----------
+    region : shapely polygon or multi-polygon
+        Valid, not empty [m].
+
+    Returns
+    -------
+    (m, 2) array
+        Counter-clockwise [m]; four vertices more per hole and per part after the first, as a rule.
+
+    Raises
+    ------
+    ShapeError
+        If parts, or a hole and what is outside, are nearer to each other than `BRIDGE_M`.
+    """
+    first, *others = (_outline(_opened(part)) for part in shapely.get_parts(region))
+    ordered, whole = [first], Polygon(first)
+    while others:  # the nearest part first, so that no bridge crosses another part
+        nearest = min(range(len(others)), key=lambda k: (Polygon(others[k]).distance(whole), k))
+        ordered.append(others.pop(nearest))
+        whole = shapely.union_all([Polygon(part) for part in ordered])
+    return bridged(ordered)
+
+
+def _opened(part: Polygon) -> Polygon:
+    """Return a polygon without holes: each is opened to the outside by a slit, those nearest to it first."""
+    while part.interiors:
+        outside = shapely.envelope(part).buffer(1.0).difference(Polygon(part.exterior))
+        holes = [Polygon(ring) for ring in part.interiors]
+        hole = min(holes, key=lambda candidate: float(candidate.distance(outside)))
+        if hole.distance(outside) < BRIDGE_M:
+            x, y = hole.representative_point().coords[0]
+            raise ShapeError(
+                f"the hole at ({x:.2f}, {y:.2f}) is less than {BRIDGE_M:g} m from the edge of the shape; scale it up,"
+                " or close the hole"
+            )
+        opened = part.difference(_bridge(hole, outside))
+        if not isinstance(opened, Polygon) or len(opened.interiors) >= len(part.interiors):
+            raise ShapeError("a slit from a hole to the outside would cut the shape in two; close the hole")
+        part = opened
+    return part
 
 
 def _bridge(one: Polygon, other: Polygon) -> Polygon:

@@ -118,7 +118,15 @@ class PartitionConfig(Config):
     """How a shape becomes goals."""
 
     method: Method = setting(Method.BUBBLE_PACKING, "partition method")
+    extension: str | None = setting(
+        None, "instead of `method`: a method that an installed package adds, by its name (docs/extending.md)"
+    )
     gaps: Gaps = section(Gaps, "least free distances")
     bubbles: BubbleConfig = section(BubbleConfig, "tuning of bubble packing")
     fractals: FractalConfig = section(FractalConfig, "tuning of randomized fractals")
     voronoi: VoronoiConfig = section(VoronoiConfig, "tuning of the centroidal Voronoi partition")
+
+    @property
+    def name(self) -> str:
+        """Name of the method that is used."""
+        return self.extension or self.method.value

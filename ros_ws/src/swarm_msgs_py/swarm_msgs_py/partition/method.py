@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Protocol
 
+from swarm_msgs_py.extensions import PARTITION_METHODS, extension
 from swarm_msgs_py.partition.bubble_packing import BubblePacking
 from swarm_msgs_py.partition.config import Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain, Shortage
@@ -31,3 +32,17 @@ METHODS: Mapping[Method, Callable[[PartitionConfig], PartitionMethod]] = {
     Method.VORONOI: lambda config: CentroidalVoronoi(config.voronoi, config.bubbles),
 }
 """How to make each method from its settings."""
+
+
+def method_for(config: PartitionConfig) -> PartitionMethod:
+    """Return the method that the settings name, one of those here or one that an installed package adds.
+
+    Raises
+    ------
+    ConfigError
+        If there is no such extension.
+    """
+    if config.extension is None:
+        return METHODS[config.method](config)
+    made: PartitionMethod = extension(PARTITION_METHODS, config.extension)(config)
+    return made

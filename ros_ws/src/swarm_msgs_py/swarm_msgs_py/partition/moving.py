@@ -117,10 +117,10 @@ def track(  # noqa: PLR0913 - what moves, for whom, between what, how
         If the method cannot move goals, there is no room for the robots on the way, or knots are too far apart for
         what they do between them.
     """
-    relax = RELAXATIONS.get(config.method)
+    relax = None if config.extension is not None else RELAXATIONS.get(config.method)
     if relax is None:
         able = " or ".join(method.value for method in RELAXATIONS)
-        raise ShapeError(f"partition method {config.method.value} is not applicable to moving shapes; use {able}")
+        raise ShapeError(f"partition method {config.name} is not applicable to moving shapes; use {able}")
     radii, gaps = roster.radii_of(goals.types), _rounded(config.gaps)
     shares = np.linspace(0.0, 1.0, STEPS * (knots - 1) + 1).tolist()
     domains = [_domain(morph, share, obstacles, radii, gaps) for share in shares]

@@ -11,7 +11,8 @@ import numpy as np
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.partition.config import CircleSizes, Method, PartitionConfig
 from swarm_msgs_py.partition.domain import Domain, check_obstacles
-from swarm_msgs_py.partition.method import METHODS, PartitionMethod
+from swarm_msgs_py.partition.method import PartitionMethod, method_for
+from swarm_msgs_py.partition.parts import parts_of, shared_out
 from swarm_msgs_py.partition.separation import FINAL_SWEEPS, Separator
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.types import FloatArray, IntArray
@@ -92,13 +93,55 @@ class _Polygons:
 @lru_cache(maxsize=64)  # checks and first plans are of one shape; batches take methods and shapes in turn
 def _partition(polygons: _Polygons, roster: Roster, config: PartitionConfig) -> GoalSet:
     shape, *obstacles = polygons.arrays
-    method = METHODS[config.method](config)
-    domain, types = _posed(shape, roster, tuple(obstacles), config, method)
-    centers = method.place(domain)
-    if centers is None:
-        raise ShapeError(_hurwitz_remedy(domain, config) or _remedy(domain, types, roster, method))
-    centers.flags.writeable = types.flags.writeable = False
-    return GoalSet(centers, types)
+    method = method_for(config)
+    parts = parts_of(shape)
+    goals = _in_parts(parts, roster, tuple(obstacles), config, method) if len(parts) > 1 else None
+    if goals is None:
+        domain, types = _posed(shape, roster.interleaved_types(), roster, tuple(obstacles), config, method)
+        centers = method.place(domain)
+        if centers is None:
+            raise ShapeError(_hurwitz_remedy(domain, config) or _remedy(domain, types, roster, method))
+        goals = GoalSet(centers, types)
+    goals.positions.flags.writeable = goals.types.flags.writeable = False
+    return goals
+
+
+def _in_parts(
+    parts: tuple[FloatArray, ...],
+    roster: Roster,
+    obstacles: tuple[FloatArray, ...],
+    config: PartitionConfig,
+    method: PartitionMethod,
+) -> GoalSet | None:
+    """Return goals of which every part of a shape has as many as its area asks for; None if they do not fit so."""
+    types, room = roster.interleaved_types(), np.full(len(parts), roster.size)
+    while (shares := shared_out(parts, types, room)) is not None:
+        posed = [
+            _posed(part, members, roster, obstacles, config, method)
+            for part, members in zip(parts, shares, strict=True)
+            if len(members)
+        ]
+        filled = [part for part, members in enumerate(shares) if len(members)]
+        shortages = {part: method.shortage(domain) for part, (domain, _) in zip(filled, posed, strict=True)}
+        short = {part: shortage.placed for part, shortage in shortages.items() if shortage is not None}
+        if not short:
+            return _united(posed, method, roster)
+        for part, placed in short.items():  # the others take what has no room there
+            room[part] = placed
+    return None
+
+
+def _united(posed: list[tuple[Domain, IntArray]], method: PartitionMethod, roster: Roster) -> GoalSet | None:
+    """Return the goals of all parts; None if some are too near to each other across the gap between two parts."""
+    placed = [(method.place(domain), types) for domain, types in posed]
+    centers = np.concatenate([places for places, _ in placed if places is not None])
+    types = np.concatenate([types for places, types in placed if places is not None])
+    if len(centers) < roster.size:
+        return None
+    distances = np.linalg.norm(centers[:, None] - centers, axis=2)
+    gaps = posed[0][0].gaps
+    least = Domain(posed[0][0].contour, (), roster.radii_of(types), gaps).least_distances
+    return GoalSet(centers, types) if (distances >= least * (1.0 - 1e-9)).all() else None
 
 
 def forget() -> None:
@@ -153,15 +196,30 @@ def check_fits(
         As `partition`.
     """
     config = config or PartitionConfig()
-    method = METHODS[config.method](config)
+    method = method_for(config)
     check_obstacles(shape, obstacles)
-    domain, types = _posed(shape, roster, obstacles, config, method)
+    domain, types = _posed(shape, roster.interleaved_types(), roster, obstacles, config, method)
     if method.shortage(domain) is not None:
         raise ShapeError(_hurwitz_remedy(domain, config) or _remedy(domain, types, roster, method))
 
 
-def _posed(
+def needed_scale(shape: FloatArray, roster: Roster, config: PartitionConfig | None = None) -> float | None:
+    """Return the factor by which a shape has to be scaled for the robots to fit; 1 if they do, None if none helps.
+
+    Parameters
+    ----------
+    shape, roster, config
+        As for `partition`; obstacles do not count.
+    """
+    config = config or PartitionConfig()
+    method = method_for(config)
+    domain, _ = _posed(shape, roster.interleaved_types(), roster, (), config, method)
+    return 1.0 if method.shortage(domain) is None else _needed_scale(domain, method)
+
+
+def _posed(  # noqa: PLR0913, PLR0917 - the problem, with who it is for
     shape: FloatArray,
+    types: IntArray,
     roster: Roster,
     obstacles: tuple[FloatArray, ...],
     config: PartitionConfig,
@@ -171,7 +229,6 @@ def _posed(
 
     Types take turns, so that each type is spread over the whole shape; where that leaves no room, large ones go first.
     """
-    types = roster.interleaved_types()
     domain = Domain(shape, obstacles, roster.radii_of(types), config.gaps)
     if method.shortage(domain) is None:
         return domain, types
@@ -210,11 +267,12 @@ def _hurwitz_remedy(domain: Domain, config: PartitionConfig) -> str | None:
     Its circles grow with the shape, so to scale the shape is no remedy.
     """
     fractals = config.fractals
-    if config.method is not Method.FRACTALS or fractals.sizes is not CircleSizes.HURWITZ:
+    is_fractal = config.extension is None and config.method is Method.FRACTALS
+    if not is_fractal or fractals.sizes is not CircleSizes.HURWITZ:
         return None
-    short = METHODS[config.method](config).shortage(domain)
+    short = method_for(config).shortage(domain)
     of_robots = replace(config, fractals=replace(fractals, sizes=CircleSizes.COVERAGE))
-    if short is None or METHODS[config.method](of_robots).shortage(domain) is not None:
+    if short is None or method_for(of_robots).shortage(domain) is not None:
         return None
     return (
         f"circle {short.placed + 1} of {len(domain.radii)} found no room: the circles of the Hurwitz rule (exponent"

@@ -28,7 +28,9 @@ LOCKSTEP_DEPTH = 200
 IMAGE_DEPTH = 3
 """The same for images, of which 200 would take a computer's memory."""
 
-VIEWER_DEPTH = 10
+VIEWER_DEPTH = 100
+"""The same for viewers: a recorder that is some ticks behind loses nothing, and one that keeps up costs nothing."""
+
 DROP_LOG_PERIOD_S = 5.0  # a flood of bad messages must not become a flood of log lines
 
 _OWN_TYPES = (
@@ -38,6 +40,7 @@ _OWN_TYPES = (
     "rcl_interfaces/srv/GetParameterTypes",
     "rcl_interfaces/srv/SetParametersAtomically",
     "type_description_interfaces/srv/GetTypeDescription",
+    "std_srvs/srv/SetBool",
     "std_srvs/srv/Trigger",
 )
 """What nodes use apart from the channels."""
@@ -64,6 +67,14 @@ _PROFILES = {
 def quality_of(channel: Channel) -> QoSProfile:
     """Return the quality of service of a channel."""
     return _PROFILES[channel.delivery]
+
+
+def recording_quality_of(channel: Channel) -> QoSProfile:
+    """Return the quality of service with which a recorder listens to a channel: nothing may be lost."""
+    offered = quality_of(channel)
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE, durability=offered.durability, history=HistoryPolicy.KEEP_ALL
+    )
 
 
 @cache

@@ -69,3 +69,8 @@ class Dialect(Generic[InputsT, CommandT, ReportT]):
     def sensors(self) -> tuple[Channel, ...]:
         """What the world sends to each robot."""
         return (*(sense.channel for sense in self.senses), RADIO_RX)
+
+    @property
+    def shown(self) -> tuple[Channel, ...]:
+        """What each robot shows to viewers."""
+        return tuple(channel for channel, _ in self.views)

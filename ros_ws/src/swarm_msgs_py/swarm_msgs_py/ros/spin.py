@@ -78,13 +78,23 @@ def spin_until(executor: Executor, is_over: Callable[[], bool]) -> None:
         spin_for(executor, SLICE_S)
 
 
-def is_matched(nodes: Iterable[Node], needed: Callable[[str], bool]) -> bool:
-    """Return whether every publisher and subscription of `nodes` on a topic that is `needed` has a partner."""
+def is_matched(
+    nodes: Iterable[Node], needed: Callable[[str], bool], overheard: Callable[[str], bool] = lambda _: False
+) -> bool:
+    """Return whether the publishers and subscriptions of some nodes have found their partners.
+
+    Parameters
+    ----------
+    nodes : iterable of Node
+    needed : callable
+        Whether the swarm needs a topic, so that each of its ends must have a partner.
+    overheard : callable
+        Whether somebody beside the swarm listens to a topic, and must not miss its first message.
+    """
     return all(
-        publisher.get_subscription_count() > 0
+        publisher.get_subscription_count() >= needed(publisher.topic_name) + overheard(publisher.topic_name)
         for node in nodes
         for publisher in node.publishers
-        if needed(publisher.topic_name)
     ) and all(
         subscription.get_publisher_count() > 0
         for node in nodes

@@ -37,6 +37,9 @@ VIEW_PERIOD_S = 0.1  # wall time between two messages of one view
 CONTOUR_COLOR = ColorRGBA(r=0.1, g=0.6, b=0.2, a=1.0)
 OBSTACLE_COLOR = ColorRGBA(r=0.5, g=0.5, b=0.5, a=1.0)
 GOAL_COLOR = ColorRGBA(r=0.9, g=0.6, b=0.1, a=1.0)
+ROBOT_COLOR, OFF_COLOR = ColorRGBA(r=0.0, g=0.45, b=0.7, a=1.0), ColorRGBA(r=0.6, g=0.6, b=0.6, a=1.0)
+LINK_COLOR = ColorRGBA(r=0.3, g=0.5, b=0.65, a=0.5)
+ROBOT_HEIGHT_M, LINK_WIDTH_M = 0.2, 0.03
 LINE_WIDTH_M, GOAL_SIZE_M = 0.1, 0.3
 
 
@@ -49,10 +52,15 @@ class View:
     channel : Channel
     address : NodeId or None
         Whose topic, where each node has its own.
+    period_s : float
+        Wall time between two messages [s]; 0 shows everything, as a recorder wants it.
     """
 
-    def __init__(self, node: Node, channel: Channel, address: NodeId | None = None) -> None:
+    def __init__(
+        self, node: Node, channel: Channel, address: NodeId | None = None, period_s: float = VIEW_PERIOD_S
+    ) -> None:
         self._publisher = publisher(node, channel, address)
+        self._period = period_s
         self._due = -math.inf
 
     def show(self, make: Callable[[], Any]) -> None:
@@ -60,7 +68,7 @@ class View:
         now = time.monotonic()
         if now < self._due:
             return
-        self._due = now + VIEW_PERIOD_S
+        self._due = now + self._period
         if self._publisher.get_subscription_count():
             self._publisher.publish(make())
 
@@ -206,6 +214,43 @@ def plan_markers(seconds: float, plan: Plan, tick: int) -> MarkerArray:
     return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *lines, goals])
 
 
+def robot_markers(
+    seconds: float, positions: FloatArray, radii: FloatArray, alive: Sequence[bool], links: Sequence[tuple[int, int]]
+) -> MarkerArray:
+    """Return robots as the discs that cover them, those whose electronics are off gray, and radio links as lines.
+
+    Parameters
+    ----------
+    seconds : float
+        Simulated time [s].
+    positions : (n, 2) or (n, 3) array
+        True positions [m]; robots on the plane stand on it.
+    radii : (n,) array
+        Coverage radii [m].
+    alive : sequence of bool
+        Whose electronics work.
+    links : sequence of (int, int)
+        Rows of robots that hear each other.
+    """
+    header, markers = _header(seconds), []
+    places = positions
+    if positions.shape[1] == 2:
+        places = np.column_stack([positions, np.full(len(positions), ROBOT_HEIGHT_M / 2.0)])
+    for row, ((x, y, z), radius, is_alive) in enumerate(zip(places.tolist(), radii.tolist(), alive, strict=True)):
+        marker = Marker(header=header, ns="robots", id=row, type=Marker.CYLINDER)
+        marker.color = ROBOT_COLOR if is_alive else OFF_COLOR
+        marker.pose.position.x, marker.pose.position.y, marker.pose.position.z = x, y, z
+        marker.pose.orientation.w = 1.0
+        marker.scale.x = marker.scale.y = 2.0 * radius
+        marker.scale.z = ROBOT_HEIGHT_M
+        markers.append(marker)
+    ends = _points(np.array([positions[row] for link in links for row in link]).reshape(-1, positions.shape[1]))
+    lines = Marker(header=header, ns="links", type=Marker.LINE_LIST, color=LINK_COLOR, points=ends)
+    lines.pose.orientation.w = 1.0
+    lines.scale.x = LINK_WIDTH_M
+    return MarkerArray(markers=[*markers, lines])
+
+
 def _outline(header: Header, name: str, number: int, corners: FloatArray, color: ColorRGBA) -> Marker:
     closed = np.vstack([corners, corners[:1]])
     marker = Marker(header=header, ns=name, id=number, type=Marker.LINE_STRIP, color=color, points=_points(closed))
@@ -215,7 +260,7 @@ def _outline(header: Header, name: str, number: int, corners: FloatArray, color:
 
 
 def _points(positions: FloatArray) -> list[Point]:
-    return [Point(x=x, y=y, z=0.0) for x, y in positions.tolist()]
+    return [Point(x=place[0], y=place[1], z=0.0 if len(place) < 3 else place[2]) for place in positions.tolist()]
 
 
 def _pose(position: Sequence[float] | FloatArray, yaw: float) -> Pose:

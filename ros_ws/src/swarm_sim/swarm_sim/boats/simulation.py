@@ -106,6 +106,7 @@ class BoatSimulation:
     ) -> None:
         self.robots = tuple(NodeId(robot) for robot in range(len(scene.fleet.poses)))
         self._period_s = config.period_s
+        self._side_m = config.boats.hull.side_m
         self._antenna = np.array(scene.antenna, dtype=np.float64)[None]
         self._magnets = dict(scene.magnets)
         self._pool = Pool(config.boats, config.bodies, scene.fleet, seed)
@@ -196,6 +197,29 @@ class BoatSimulation:
         """End a boat's computer, or the mission computer's radio; raises `KeyError` if it does not exist."""
         if self._electronics.kill(self._tick, node) and self._observed is not None:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
+
+    def revive(self, node: NodeId) -> None:
+        """Switch a robot on, where it stands; raises `KeyError` if it does not exist."""
+        if self._electronics.revive(self._tick, node):
+            self._observed = None
+
+    def is_on(self, node: NodeId) -> bool:
+        """Return whether a node works; raises `KeyError` if it does not exist."""
+        return self._electronics.is_alive(node)
+
+    @property
+    def radii(self) -> FloatArray:
+        """How large robots are drawn, (n,) [m]."""
+        return np.full(len(self.robots), self._side_m / 2.0)
+
+    @property
+    def links(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of robots that can hear each other now."""
+        return self._electronics.links(self._antennas).pairs(len(self.robots))
+
+    def take_arrived(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that appeared because the scene says so."""
+        return self._electronics.take_arrived()
 
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""

@@ -21,6 +21,7 @@ from swarm_sim.radio.medium import RadioTraffic
 from swarm_sim.ticked_world import Observation
 
 NO_SPEED = 1e-12  # [m/s]
+SHOWN_RADIUS_M = 0.25  # of robots that are points, for viewers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,6 +183,29 @@ class PointSimulation:
         """End a robot, or the mission computer's radio; raises `KeyError` if it does not exist."""
         if self._electronics.kill(self._tick, node) and self._observed is not None:
             self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
+
+    def revive(self, node: NodeId) -> None:
+        """Switch a robot on, where it stands; raises `KeyError` if it does not exist."""
+        if self._electronics.revive(self._tick, node):
+            self._observed = None
+
+    def is_on(self, node: NodeId) -> bool:
+        """Return whether a node works; raises `KeyError` if it does not exist."""
+        return self._electronics.is_alive(node)
+
+    @property
+    def radii(self) -> FloatArray:
+        """How large robots are drawn, (n,) [m]."""
+        return np.full(len(self.robots), SHOWN_RADIUS_M)
+
+    @property
+    def links(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of robots that can hear each other now."""
+        return self._electronics.links(self._antennas).pairs(len(self.robots))
+
+    def take_arrived(self) -> tuple[NodeId, ...]:
+        """Return, once, the robots that appeared because the scene says so."""
+        return self._electronics.take_arrived()
 
     def take_died(self) -> tuple[NodeId, ...]:
         """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""

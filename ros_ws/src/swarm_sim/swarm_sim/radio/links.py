@@ -28,6 +28,11 @@ class LinkTable:
     connected: NDArray[np.bool_]
     distances: FloatArray
 
+    def pairs(self, count: int) -> tuple[tuple[int, int], ...]:
+        """Return who is linked among the first `count` radios, each pair once."""
+        first, second = np.nonzero(np.triu(self.connected[:count, :count], 1))
+        return tuple(zip(first.tolist(), second.tolist(), strict=True))
+
 
 class Links(Protocol):
     """Who hears whom, by where they are."""

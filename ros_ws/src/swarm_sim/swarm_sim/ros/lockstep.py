@@ -12,10 +12,8 @@ from rclpy.task import Future
 
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.ros.spin import SLICE_S, spin_for
-from swarm_msgs_py.topics import namespace_of
 from swarm_msgs_py.types import NodeId, node_name
 from swarm_sim.answers import Answers
-from swarm_sim.electronics import death_line
 from swarm_sim.ticked_world import Truth
 
 ANSWER_SHARE = 0.7  # of a tick in real time, in which answers count; the rest is for physics and publishing
@@ -65,6 +63,23 @@ class TickResult:
     lost: frozenset[NodeId]
 
 
+@dataclass(frozen=True, slots=True)
+class Switched:
+    """A node was switched off or on.
+
+    Attributes
+    ----------
+    node : NodeId
+    is_on : bool
+    line : str
+        What the operator reads.
+    """
+
+    node: NodeId
+    is_on: bool
+    line: str
+
+
 class SteppedWorld(Protocol):
     """The world node, as the loop sees it."""
 
@@ -75,6 +90,11 @@ class SteppedWorld(Protocol):
     @property
     def tick(self) -> int:
         """Number of the current tick."""
+        ...
+
+    @property
+    def off(self) -> tuple[NodeId, ...]:
+        """Robots whose electronics are off, ascending."""
         ...
 
     @property
@@ -99,12 +119,8 @@ class SteppedWorld(Protocol):
         """Take a dead node out of the run."""
         ...
 
-    def take_killed(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that the operator has killed."""
-        ...
-
-    def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the nodes that have died because the scenario says so."""
+    def take_switched(self) -> tuple[Switched, ...]:
+        """Return, once, who was switched off or on, by the scenario or the operator."""
         ...
 
 
@@ -149,7 +165,7 @@ class Lockstep:
 
     def __init__(self, world: SteppedWorld, executor: Executor, pace: PaceConfig, overseer: Overseer) -> None:
         self._world, self._executor, self._pace, self._overseer = world, executor, pace, overseer
-        self._lost: set[NodeId] = set()
+        self._lost: set[NodeId] = set(world.off)
         self._began: float | None = None  # when the last tick began, for pacing
         self._alerts: list[str] = []
         self._was_deserted = False
@@ -170,17 +186,13 @@ class Lockstep:
         """Run one tick, from publishing to the report."""
         start = self._wait_for_start()
         self._world.begin()
-        for node in self._world.take_died():
-            self._lost.add(node)
-            self._alerts.append(death_line(node))
+        self._note_switched()
         if self._pace.real_time:
             self._await_answers_until(start + ANSWER_SHARE * self._world.period_s)
         else:
             self._await_answers()
             self._linger(start)
-        for robot in self._world.take_killed():
-            self._lost.add(robot)
-            self._alerts.append(f"{namespace_of(robot)} was killed by the operator")
+        self._note_switched()
         lost = frozenset(self._lost)
         truth, answers = self._world.finish()
         if answers.silenced:
@@ -190,14 +202,18 @@ class Lockstep:
         alerts, self._alerts = tuple(self._alerts), []
         self._overseer.report(TickResult(truth, answers.complete, alerts, lost))
 
+    def _note_switched(self) -> None:
+        for switched in self._world.take_switched():
+            (self._lost.discard if switched.is_on else self._lost.add)(switched.node)
+            self._alerts.append(switched.line)
+
     def _is_over(self) -> bool:
         return self._overseer.is_over() or not self._executor.context.ok()
 
     def _bury_fallen(self) -> None:
         for node in self._overseer.fallen():
-            if node not in self._lost:
-                self._lost.add(node)
-                self._world.bury(node)
+            self._lost.add(node)
+            self._world.bury(node)  # also one that is off: it must not be switched on any more
 
     def _wait_for_start(self) -> float:
         """Return the wall time at which this tick begins: now, or in real time not before its turn."""

@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from rclpy.executors import Executor
@@ -14,8 +15,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.task import Future
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import UInt16
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
@@ -28,10 +28,11 @@ from swarm_msgs_py.ros.log_bridge import bridge_logging
 from swarm_msgs_py.ros.spin import run_with_ros
 from swarm_msgs_py.step_io import MissionInputs
 from swarm_msgs_py.topics import Parts
-from swarm_msgs_py.types import MISSION, NodeId
+from swarm_msgs_py.types import MISSION, NodeId, robot_name
 from swarm_sim.answers import AnswerBook, Answers
 from swarm_sim.config import SimConfig
-from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
+from swarm_sim.electronics import arrival_line, death_line
+from swarm_sim.ros.lockstep import Lockstep, PaceConfig, Switched, TickResult
 from swarm_sim.scene import RobotSpec, Scene
 from swarm_sim.simulation import Simulation
 from swarm_sim.ticked_world import TickedWorld, Truth
@@ -61,6 +62,8 @@ class WorldNode(Node):
         Control period [s].
     dialect : Dialect
         How its robots' inputs and commands travel.
+    view_period_s : float
+        Wall time between two messages for viewers [s]; 0: one in every tick.
     **options
         Of `rclpy.node.Node`.
 
@@ -75,17 +78,24 @@ class WorldNode(Node):
     """
 
     def __init__(
-        self, simulation: TickedWorld, period_s: float, dialect: Dialect[Any, Any, Any] = FORMATION, **options: Any
+        self,
+        simulation: TickedWorld,
+        period_s: float,
+        dialect: Dialect[Any, Any, Any] = FORMATION,
+        *,
+        view_period_s: float = views.VIEW_PERIOD_S,
+        **options: Any,
     ) -> None:
         super().__init__(NAME, namespace=NAMESPACE, **options)
         self._simulation, self.period_s, self._dialect = simulation, period_s, dialect
-        self._book = AnswerBook((*simulation.robots, MISSION))
-        self._killed: list[NodeId] = []
-        self._died: list[NodeId] = []
+        self._book = AnswerBook(node for node in (*simulation.robots, MISSION) if node not in self.off)
+        self._switched: list[Switched] = []
+        self._fallen: set[NodeId] = set()  # whose process is gone
         self._is_mission_on = True
         self.answered, self.is_paused = Future(), False
         self._clock_topic = channels.publisher(self, topics.CLOCK)
-        self._truth = views.View(self, topics.TRUTH)
+        self._truth = views.View(self, topics.TRUTH, period_s=view_period_s)
+        self._robots = views.View(self, topics.ROBOT_MARKERS, period_s=view_period_s)
         self._sensors = {
             robot: tuple(channels.publisher(self, channel, robot) for channel in dialect.sensors)
             for robot in simulation.robots
@@ -100,7 +110,9 @@ class WorldNode(Node):
             self._listen(topics.CMD_VEL, dialect.decode_command, self._take_command, robot)
         for node in (*simulation.robots, MISSION):
             self._listen(topics.RADIO_TX, convert.decode_frames, self._take_frames, node)
-        channels.subscription(self, topics.KILL_ROBOT, self._take_kill)
+        channels.subscription(self, topics.KILL_ROBOT, lambda message: self._take_kill(message.data))
+        for robot in simulation.robots:
+            self.create_service(SetBool, topics.power_service(robot), partial(self._take_power, robot))
         self.create_service(Trigger, topics.PAUSE_SERVICE, lambda _, reply: self._hold(True, reply))
         self.create_service(Trigger, topics.RESUME_SERVICE, lambda _, reply: self._hold(False, reply))
 
@@ -108,6 +120,11 @@ class WorldNode(Node):
     def tick(self) -> int:
         """Number of the current tick."""
         return self._simulation.tick
+
+    @property
+    def off(self) -> tuple[NodeId, ...]:
+        """Robots whose electronics are off, ascending."""
+        return tuple(robot for robot in self._simulation.robots if not self._simulation.is_on(robot))
 
     @property
     def missing(self) -> tuple[NodeId, ...]:
@@ -123,9 +140,15 @@ class WorldNode(Node):
         """Publish everything that belongs to the current tick."""
         seen = self._simulation.observe()
         for node in self._simulation.take_died():
-            self._died.append(node)
+            self._switched.append(Switched(node, False, death_line(node)))
             self._book.remove(node)
             self._is_mission_on &= node != MISSION
+        for node in self._simulation.take_arrived():
+            if node in self._fallen:
+                self._simulation.kill(node)
+                continue
+            self._switched.append(Switched(node, True, arrival_line(node)))
+            self._book.add(node)
         self.answered = Future()
         self._book.open(seen.tick, frozenset(seen.agents) | {MISSION})
         stamp = cdr.stamp(seen.time)
@@ -142,23 +165,27 @@ class WorldNode(Node):
         self._simulation.apply(answers.commands, answers.outboxes)
         truth = self._simulation.advance()
         self._truth.show(lambda: views.poses(truth.time, truth.positions, truth.yaws))
+        simulation, alive = self._simulation, truth.alive.tolist()
+        self._robots.show(
+            lambda: views.robot_markers(truth.time, truth.positions, simulation.radii, alive, simulation.links)
+        )
         return truth, answers
 
     def bury(self, node: NodeId) -> None:
-        """Take a robot or the mission computer out of the run: its electronics are dead."""
+        """Take a robot or the mission computer out of the run for good: its process is gone."""
+        if node not in self._fallen:
+            self._fallen.add(node)
+            self._switch_off(node)
+
+    def take_switched(self) -> tuple[Switched, ...]:
+        """Return, once, who was switched off or on, by the scenario or the operator."""
+        switched, self._switched = tuple(self._switched), []
+        return switched
+
+    def _switch_off(self, node: NodeId) -> None:
         self._simulation.kill(node)
         self._book.remove(node)
         self._check()
-
-    def take_killed(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that the operator has killed."""
-        killed, self._killed = tuple(self._killed), []
-        return killed
-
-    def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the nodes that have died because the scenario says so."""
-        died, self._died = tuple(self._died), []
-        return died
 
     def _publish_to_mission(self, inputs: MissionInputs) -> None:
         parts = Parts.NONE if inputs.image is None else Parts.IMAGE
@@ -194,12 +221,32 @@ class WorldNode(Node):
         self._book.put_frames(node, batch.tick, batch.frames)
         self._check()
 
-    def _take_kill(self, message: UInt16) -> None:
-        if message.data not in self._simulation.robots:
-            logger.warning("%s: there is no robot %d", topics.KILL_ROBOT.topic(), message.data)
+    def _take_kill(self, number: int) -> None:
+        if number not in self._simulation.robots:
+            logger.warning("%s: there is no robot %d", topics.KILL_ROBOT.topic(), number)
             return
-        self._killed.append(NodeId(message.data))
-        self.bury(NodeId(message.data))
+        self._kill(NodeId(number))
+
+    def _kill(self, robot: NodeId) -> None:
+        self._switched.append(Switched(robot, False, f"{robot_name(robot)} was killed by the operator"))
+        self._switch_off(robot)
+
+    def _take_power(self, robot: NodeId, request: SetBool.Request, reply: SetBool.Response) -> SetBool.Response:
+        """Switch a robot off or on; one that is switched on takes part from the next tick on."""
+        name, is_on = robot_name(robot), self._simulation.is_on(robot)
+        reply.success = request.data != is_on and robot not in self._fallen
+        reply.message = f"{name} is {'on' if request.data else 'off'} from tick {self.tick} on"
+        if robot in self._fallen:
+            reply.message = f"the process of {name} is gone; start the run again"
+        elif request.data == is_on:
+            reply.message = f"{name} is {'on' if is_on else 'off'} already"
+        elif request.data:
+            self._switched.append(Switched(robot, True, f"{name} was switched on by the operator"))
+            self._simulation.revive(robot)
+            self._book.add(robot)
+        else:
+            self._kill(robot)
+        return reply
 
     def _hold(self, is_paused: bool, reply: Trigger.Response) -> Trigger.Response:
         self.is_paused = is_paused

@@ -1,0 +1,1 @@
+"""Methods of one's own, added to the swarm by entry points."""

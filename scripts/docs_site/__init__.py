@@ -1,0 +1,1 @@
+"""Makes the parts of the documentation site that follow from the code."""

@@ -1,0 +1,1 @@
+"""Looks at shapes before anything runs."""

@@ -1,0 +1,4 @@
+"""Recordings of a live swarm: MCAP bags that are written, checked for losses, and played back."""
+
+FOLDER = "recording"
+"""Name of the bag in a run folder."""

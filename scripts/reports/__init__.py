@@ -1,0 +1,1 @@
+"""What a person looks at after a run: the report page and figures, made from the run folder alone."""

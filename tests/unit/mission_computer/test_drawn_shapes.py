@@ -1,0 +1,209 @@
+"""Shapes from drawings, pictures, texts, and GeoJSON with holes and parts."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image, ImageDraw
+from shapely import Point, Polygon
+
+from mission_computer.shape import Placement, is_drawing, load_shape, placed_shape
+from mission_computer.shape.detail import VERTICES_MAX
+from mission_computer.shape.filling import FillRule, filled
+from swarm_msgs_py.errors import ShapeError
+from swarm_msgs_py.geometry.contour import area_centroid, signed_area
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {frame}>{body}</svg>'
+OUTER = [[0, 0], [10, 0], [10, 8], [0, 8], [0, 0]]
+HOLE = [[4, 3], [6, 3], [6, 5], [4, 5], [4, 3]]
+
+
+def drawn(folder: Path, body: str, frame: str = 'width="100" height="100"') -> Path:
+    """Write an SVG file."""
+    file = folder / "drawing.svg"
+    file.write_text(SVG.format(frame=frame, body=body))
+    return file
+
+
+def pictured(folder: Path, mode: str, paper: object, ink: object) -> Path:
+    """Write a PNG of a ring, outer radius 60 and inner radius 20 pixels, center right and above the middle."""
+    image = Image.new(mode, (300, 200), paper)
+    pen = ImageDraw.Draw(image)
+    pen.ellipse((140, 20, 260, 140), fill=ink)
+    pen.ellipse((180, 60, 220, 100), fill=paper)
+    file = folder / "ring.png"
+    image.save(file)
+    return file
+
+
+def test_a_hole_is_opened_by_a_slit_and_stays_outside_of_the_shape(tmp_path: Path) -> None:
+    file = tmp_path / "ring.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [OUTER, HOLE]}))
+
+    shape = Polygon(load_shape(file))
+
+    assert shape.is_valid
+    assert shape.area == pytest.approx(80.0 - 4.0, abs=0.1)  # the slit takes 2 cm times 3 m
+    assert not shape.contains(Point(5.0, 4.0))
+    assert shape.contains(Point(2.0, 4.0))
+
+
+def test_several_polygons_are_joined_by_bridges(tmp_path: Path) -> None:
+    far = [[x + 20, y] for x, y in OUTER]
+    file = tmp_path / "two.geojson"
+    file.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[OUTER, HOLE], [far]]}))
+
+    shape = Polygon(load_shape(file))
+
+    assert shape.area == pytest.approx(2 * 80.0 - 4.0, abs=0.4)
+    assert shape.bounds == (0.0, 0.0, 30.0, 8.0)
+
+
+def test_transforms_of_groups_uses_and_view_boxes_apply(tmp_path: Path) -> None:
+    body = """
+      <defs><rect id="bar" width="4" height="2"/></defs>
+      <g transform="translate(10,20) rotate(90) scale(2)"><use xlink:href="#bar" x="1"/></g>"""
+
+    contour = load_shape(drawn(tmp_path, body, 'viewBox="0 0 50 50" width="500" height="500"'))
+
+    # The bar is 8 x 4 after the scale, turned by 90 degrees; the view box makes it ten times as large, y downward.
+    low, high = contour.min(axis=0), contour.max(axis=0)
+    assert_allclose(high - low, [40.0, 80.0], atol=1e-6)
+    assert_allclose(0.5 * (low + high), [80.0, -260.0], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("body", "area"),
+    [
+        ('<path d="M0 0H10V10H0Z M2 2H6V6H2Z" fill-rule="evenodd"/>', 100 - 16),
+        ('<path d="M0 0H10V10H0Z M2 2H6V6H2Z"/>', 100),
+        ('<path d="M0 0H10V10H0Z M2 2V6H6V2Z"/>', 100 - 16),
+        ('<rect width="10" height="10"/><rect x="2" y="2" width="4" height="4" fill="#ffffff"/>', 100 - 16),
+        ('<circle r="10" cx="20" cy="20"/>', 100 * math.pi),
+        ('<path d="M0 0 C 0 10 10 10 10 0 Z"/>', 60),
+        ('<path d="M0 0H10V10H0Z" fill="none" stroke="black"/>', 100),
+        ('<polygon points="0,0 10,0 10,10 0,10"/><rect width="90" height="90" fill="none"/>', 100),
+    ],
+    ids=["even-odd", "nonzero", "turned hole", "white over black", "circle", "curve", "outline only", "unfilled aside"],
+)
+def test_a_drawing_is_what_it_fills(tmp_path: Path, body: str, area: float) -> None:
+    assert signed_area(load_shape(drawn(tmp_path, body))) == pytest.approx(area, rel=6e-3)
+
+
+@pytest.mark.parametrize(
+    ("mode", "paper", "ink"),
+    [("L", 255, 0), ("L", 0, 255), ("RGB", "white", "navy"), ("RGBA", (0, 0, 0, 0), (255, 255, 255, 255)), ("1", 1, 0)],
+    ids=["dark on light", "light on dark", "color", "transparent", "bitmap"],
+)
+def test_a_picture_is_its_silhouette(tmp_path: Path, mode: str, paper: object, ink: object) -> None:
+    contour = load_shape(pictured(tmp_path, mode, paper, ink))
+
+    # From the middle of one edge pixel to that of the opposite one a disc is one pixel wider than twice its radius.
+    assert signed_area(contour) == pytest.approx(math.pi * (60.5**2 - 20.5**2), rel=0.02)
+    assert_allclose(area_centroid(contour), [201.0, 200.0 - 80.0], atol=1.0)
+    assert len(contour) <= VERTICES_MAX
+
+
+def test_letters_have_holes_and_parts() -> None:
+    shape = Polygon(placed_shape("text:Bio", Placement(area=300.0)))
+
+    assert shape.area == pytest.approx(300.0, rel=2e-3)
+    assert shape.is_valid
+    holes = shape.buffer(0.1).buffer(-0.1).interiors  # closes the slits
+    assert len(holes) == 3
+
+
+def test_lines_of_a_text_are_centered_below_each_other() -> None:
+    high, two = load_shape("text:I"), load_shape("text:I\nI")
+
+    assert two[:, 1].min() < high[:, 1].min() - 1.0
+    assert np.ptp(two[:, 0]) == pytest.approx(np.ptp(high[:, 0]), abs=1e-6)
+
+
+def test_a_font_may_be_named_by_its_family_or_file() -> None:
+    sans, serif = (placed_shape("text:I", Placement(), font) for font in ("DejaVu Sans", "DejaVu Serif"))
+
+    assert len(serif) > len(sans) == 4
+
+
+def test_a_placement_sizes_turns_and_puts_a_shape() -> None:
+    box = [[0, 0], [4, 0], [4, 2], [0, 2]]
+
+    fitted = placed_shape(box, Placement(fit=(10.0, 3.0), rotation=math.pi / 2, center=(5.0, 5.0)))
+    sized = placed_shape(box, Placement(area=50.0, scale=2.0))
+
+    assert_allclose([fitted.min(axis=0), fitted.max(axis=0)], [[3.5, 2.0], [6.5, 8.0]])
+    assert signed_area(sized) == pytest.approx(200.0)
+    assert_allclose(area_centroid(sized), [2.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    "placement", [Placement(fit=(0.0, 1.0)), Placement(area=-1.0), Placement(center=(math.inf, 0))]
+)
+def test_a_placement_without_sense_is_refused(placement: Placement) -> None:
+    with pytest.raises(ShapeError, match=r"inline shape: .* must be"):
+        placed_shape([[0, 0], [1, 0], [0, 1]], placement)
+
+
+@pytest.mark.parametrize(
+    ("body", "complaint"),
+    [
+        ("<g", "not a sound SVG drawing"),
+        ("<text>words</text>", "nothing in the drawing has area; convert texts"),
+        ('<line x1="0" y1="0" x2="9" y2="9" stroke="black"/>', "nothing in the drawing has area"),
+        ('<path d="M 0 0 L nonsense"/>', "not a sound SVG drawing|has area"),
+    ],
+)
+def test_drawings_without_a_shape_are_refused(tmp_path: Path, body: str, complaint: str) -> None:
+    with pytest.raises(ShapeError, match=complaint) as caught:
+        load_shape(drawn(tmp_path, body))
+
+    assert str(caught.value).startswith(str(tmp_path))
+    assert "\n" not in str(caught.value)
+
+
+def test_pictures_without_a_shape_are_refused(tmp_path: Path) -> None:
+    blank, broken = tmp_path / "blank.png", tmp_path / "broken.jpg"
+    Image.new("L", (20, 20), 255).save(blank)
+    broken.write_bytes(b"\xff\xd8 no picture")
+
+    with pytest.raises(ShapeError, match=r"blank\.png: the picture shows no figure"):
+        load_shape(blank)
+    with pytest.raises(ShapeError, match=r"broken\.jpg: not a readable picture"):
+        load_shape(broken)
+
+
+@pytest.mark.parametrize(
+    ("text", "font", "complaint"),
+    [
+        ("", None, "the text is empty"),
+        ("   ", None, "the text is empty"),
+        ("x" * 50, None, "50 characters are too many"),
+        ("A\u4e2d", None, "the font has no letter"),
+        ("A", "Dejavu Sons", "did you mean 'DejaVu Sans'"),
+        ("A", "nowhere.ttf", "no such file"),
+    ],
+)
+def test_texts_that_cannot_be_drawn_are_refused(text: str, font: str | None, complaint: str) -> None:
+    with pytest.raises(ShapeError, match=complaint):
+        placed_shape(f"text:{text}", Placement(), font)
+
+
+def test_only_drawings_have_no_unit_of_length() -> None:
+    assert [is_drawing(source) for source in ("text:A", "a.svg", Path("b.PNG"))] == [True] * 3
+    assert not any(is_drawing(source) for source in ("formation_1", "c.geojson", [[0.0, 0.0]], "[[0, 0]]"))
+
+
+def test_outlines_that_cross_themselves_are_filled_by_the_rule() -> None:
+    star = np.array([[np.sin(k * 0.8 * np.pi), np.cos(k * 0.8 * np.pi)] for k in range(5)])
+
+    whole, hollow = filled([star], FillRule.NONZERO), filled([star], FillRule.EVENODD)
+
+    assert whole.contains(Point(0.0, 0.0))
+    assert not hollow.contains(Point(0.0, 0.0))
+    assert filled([], FillRule.NONZERO).is_empty
