@@ -26,6 +26,9 @@ OWN_METHODS = tuple(method.value for method in Method)
 METHODS = (*OWN_METHODS, *FORCE_TASKS, *extension_names(PARTITION_METHODS))
 """Methods as the command line names them: partitions, forces, and what installed packages add."""
 
+FONT_FILES = (".ttf", ".otf", ".ttc")
+"""Endings by which a font is a file."""
+
 
 class FormationKind:
     """Implements `bringup.family.Kind`."""
@@ -56,6 +59,8 @@ class FormationKind:
         for part in parts:
             if isinstance(part, dict) and isinstance(part.get("file"), str):
                 part["file"] = str(Path(folder) / part["file"])
+            if isinstance(part, dict) and str(part.get("font", "")).lower().endswith(FONT_FILES):
+                part["font"] = str(Path(folder) / part["font"])
 
     def with_count(self, data: dict[str, Any], count: int) -> None:
         """Rescale the mix of types."""

@@ -61,11 +61,10 @@ def preview_figure(preview: ShapePreview, obstacles: tuple[FloatArray, ...], suf
     return buffer.getvalue()
 
 
-def formats() -> tuple[str, ...]:
-    """Return the suffixes of the formats that can be written."""
-    return tuple(sorted(f".{name}" for name in FigureCanvasAgg.get_supported_filetypes()))
+FORMATS = (".pdf", ".png", ".svg")
+"""Suffixes of what can be written."""
 
 
 def is_picture(path: Path) -> bool:
     """Return whether a file name says a format that can be written."""
-    return path.suffix.lower() in formats()
+    return path.suffix.lower() in FORMATS

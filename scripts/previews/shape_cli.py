@@ -24,7 +24,7 @@ from bringup.scenario_file import (
     shape_override,
 )
 from mission_computer.shape import library_names
-from previews.preview_figure import formats, is_picture, preview_figure
+from previews.preview_figure import FORMATS, is_picture, preview_figure
 from previews.shape_preview import ShapePreview, look_at
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.partition import Method
@@ -59,7 +59,7 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, Scenario]:
     """
     given = _parser().parse_args(argv)
     if given.out is not None and not is_picture(given.out):
-        raise ConfigError(f"--out {given.out}: unknown kind of picture; end it with one of {', '.join(formats())}")
+        raise ConfigError(f"--out {given.out}: unknown kind of picture; end it with one of {', '.join(FORMATS)}")
     overrides = [] if given.shape is None else [shape_override(given.shape)]
     overrides += [] if given.map is None else [map_override(given.map)]
     overrides += [] if given.method is None else method_overrides(given.method)

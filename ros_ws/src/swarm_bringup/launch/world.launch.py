@@ -4,6 +4,7 @@ from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 ARGUMENTS = {
     "counts": ("3", "number of robots of types 1, 2 and 3, as in 3,2,1; they are numbered in this order"),
@@ -31,9 +32,10 @@ def _nodes(context: LaunchContext) -> list[Node]:
         "spacing_m": float(given["spacing_m"]),
         "seed": int(given["seed"]),
         "period_s": period_s,
-        "real_time": given["real_time"] == "true",
+        "real_time": given["real_time"].lower() == "true",
     }
-    mission = {"counts": counts, "shape": given["shape"], "room_m2": float(given["room_m2"]), "period_s": period_s}
+    shape = ParameterValue(given["shape"], value_type=str)  # else its text would be read as YAML
+    mission = {"counts": counts, "shape": shape, "room_m2": float(given["room_m2"]), "period_s": period_s}
     return [
         Node(package="swarm_sim", executable="world_node", parameters=[world], output="screen"),
         Node(package="mission_computer", executable="mission_node", parameters=[mission], output="screen"),

@@ -42,8 +42,9 @@ def extension(group: str, name: str) -> type:
 def _loaded(point: EntryPoint, group: str) -> type:
     try:
         loaded = point.load()
-    except (ImportError, AttributeError) as error:
-        raise ConfigError(f"'{point.name}' in {group} cannot be loaded from {point.value}: {error}") from None
+    except Exception as error:  # noqa: BLE001 - whatever is wrong with a researcher's module, one line tells it
+        why = f"{type(error).__name__}: {error}"
+        raise ConfigError(f"'{point.name}' in {group} cannot be loaded from {point.value} ({why})") from None
     if not isinstance(loaded, type):
         raise ConfigError(f"'{point.name}' in {group} is not a class: {point.value}; name a class there")
     return loaded

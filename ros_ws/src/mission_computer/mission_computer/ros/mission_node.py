@@ -17,7 +17,7 @@ from sensor_msgs.msg import CameraInfo
 from mission_computer.config import MissionConfig
 from mission_computer.input_assembler import InputAssembler
 from mission_computer.mission import Mission
-from mission_computer.shape import Placement, placed_shape
+from mission_computer.shape import Placement, is_drawing, placed_shape, with_room
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
@@ -63,7 +63,11 @@ class MissionIdentity(Config):
 
     shape: str = setting("hw_2_square", "shape to form: library name, file, text:TEXT or points")
     room_m2: float = setting(
-        6.0, "the shape is made this large per robot; 0: it is as large as it is", unit="m^2", minimum=0.0
+        6.0,
+        "a shape in meters is made this large per robot; 0: it is as large as it is; drawings and texts become as "
+        "large as robots need",
+        unit="m^2",
+        minimum=0.0,
     )
     counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
     period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
@@ -176,8 +180,8 @@ def _from_parameters(context: Context) -> MissionNode:
         config = parameters.declare_config(reader, MissionConfig())
         network = parameters.declare_config(reader, NetworkConfig())
     roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
-    area = identity.room_m2 * roster.size
-    shape = placed_shape(identity.shape, Placement(area=area or None))
+    placement = Placement(area=None if is_drawing(identity.shape) else identity.room_m2 * roster.size or None)
+    shape = placed_shape(identity.shape, with_room(identity.shape, placement, roster, config.partition))
     mission = Mission(config, network, roster, (), shape, identity.period_s)
     node = MissionNode(mission, identity.period_s, context=context)
     for settings in (identity, config, network):

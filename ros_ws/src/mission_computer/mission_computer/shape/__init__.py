@@ -2,6 +2,7 @@
 
 from mission_computer.shape.library import arena_names, library_names
 from mission_computer.shape.placement import Placement
+from mission_computer.shape.room import with_room
 from mission_computer.shape.source import TEXT_PREFIX, is_drawing, load_shape, placed_shape
 from mission_computer.shape.validation import check_inside
 
@@ -14,4 +15,5 @@ __all__ = [
     "library_names",
     "load_shape",
     "placed_shape",
+    "with_room",
 ]

@@ -1,4 +1,4 @@
-"""The silhouette of a picture: its opaque part, or what differs from its border."""
+"""The silhouette of a picture: its opaque part, or what is dark (or light, where the border is dark)."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from swarm_msgs_py.types import FloatArray
 
 SIDE_MAX = 1024  # [pixels]; a contour of 128 vertices cannot tell more detail than this
 PIXELS_MAX = 50_000_000  # a larger picture is a mistake, or an attack on the memory
+TRANSPARENT_MIN = 0.01  # share of the pixels; a picture with less transparency is not meant to have any
 LEVEL = 0.5  # between background (0) and figure (1)
 
 
@@ -48,11 +49,19 @@ def bitmap_region(path: Path) -> BaseGeometry:
 def _figure(image: Image.Image) -> FloatArray:
     """Return how much each pixel belongs to the figure, (h, w) from 0 to 1."""
     opacity = np.asarray(image.convert("RGBA").getchannel("A"), dtype=np.float64) / 255.0
-    if opacity.min() < LEVEL:
+    if np.mean(opacity < LEVEL) > TRANSPARENT_MIN:
         return opacity
-    darkness = 1.0 - np.asarray(image.convert("L"), dtype=np.float64) / 255.0
+    darkness = 1.0 - _brightness(image)
     border = np.concatenate([darkness[0], darkness[-1], darkness[:, 0], darkness[:, -1]])
     return 1.0 - darkness if np.median(border) > LEVEL else darkness
+
+
+def _brightness(image: Image.Image) -> FloatArray:
+    """Return the brightness of each pixel, (h, w) from 0 to 1."""
+    if image.mode.startswith(("I", "F")):  # one channel of more than eight bits, which Pillow would cut off at 255
+        values = np.asarray(image, dtype=np.float64)
+        return values / max(float(values.max()), 1.0)
+    return np.asarray(image.convert("L"), dtype=np.float64) / 255.0
 
 
 def _traced(figure: FloatArray) -> BaseGeometry:

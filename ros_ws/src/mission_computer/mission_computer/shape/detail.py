@@ -47,10 +47,10 @@ def simplified(region: Polygon | MultiPolygon, name: str, vertices_max: int = VE
     return fewer
 
 
-def without_specks(region: BaseGeometry) -> Polygon | MultiPolygon:
-    """Return a region without parts and holes that are too small to be meant."""
+def without_specks(region: BaseGeometry, share: float = SPECK) -> Polygon | MultiPolygon:
+    """Return a region without parts and holes that are smaller than this share of its largest part."""
     parts = [part for part in shapely.get_parts(region) if isinstance(part, Polygon)]
-    least = SPECK * max(part.area for part in parts)
+    least = share * max(part.area for part in parts)
     kept = [
         Polygon(part.exterior, [hole for hole in part.interiors if Polygon(hole).area >= least])
         for part in parts

@@ -14,7 +14,7 @@ from shapely import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.validation import explain_validity
 
-from mission_computer.shape.detail import simplified, without_specks
+from mission_computer.shape.detail import SPECK, simplified, without_specks
 from mission_computer.shape.geojson import geojson_parts
 from mission_computer.shape.library import library_names, library_points
 from mission_computer.shape.placement import Placement
@@ -72,7 +72,8 @@ def placed_shape(source: ShapeSource, placement: Placement, font: str | None = N
     placement.check(name)
     if isinstance(region, np.ndarray):
         return _placed_ring(region, placement, name)
-    return _placed_region(region, placement, name)
+    whole = without_specks(region, SPECK if is_drawing(source) else 0.0)
+    return _placed_region(whole, placement, name)
 
 
 def is_drawing(source: ShapeSource) -> bool:
@@ -92,8 +93,7 @@ def _placed_ring(points: FloatArray, placement: Placement, name: str) -> FloatAr
     return validate(placement.moved(contour, area_centroid(contour), factor), name)
 
 
-def _placed_region(region: BaseGeometry, placement: Placement, name: str) -> FloatArray:
-    whole = without_specks(region)
+def _placed_region(whole: Polygon | MultiPolygon, placement: Placement, name: str) -> FloatArray:
     fewer = simplified(whole, name)
     center, growth = np.array(fewer.centroid.coords[0]), float(np.sqrt(whole.area / fewer.area))
     fewer = shapely.transform(fewer, lambda points: center + growth * (points - center))

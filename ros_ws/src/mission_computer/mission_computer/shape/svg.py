@@ -8,6 +8,7 @@ from xml.etree.ElementTree import ParseError
 
 import numpy as np
 import svgelements
+from shapely.errors import ShapelyError
 from shapely.geometry.base import BaseGeometry
 
 from mission_computer.shape.filling import FillRule, filled, polygonal
@@ -16,7 +17,10 @@ from swarm_msgs_py.types import FloatArray
 
 CURVE_POINTS = 24  # per curved segment; a full circle has four, and a contour at most 128 vertices
 WHITE = 0xFFFFFF
-_DEFECTS = (ParseError, ValueError, KeyError, IndexError, TypeError, AttributeError, ZeroDivisionError, RecursionError)
+_DEFECTS = (
+    *(ParseError, ValueError, KeyError, IndexError, TypeError, AttributeError, ArithmeticError, RecursionError),
+    ShapelyError,
+)
 """What the parser raises on files that are no SVG, or not a sound one."""
 
 
