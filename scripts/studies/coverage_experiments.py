@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bringup.coverage.starts import LEADER
+from studies.campaign import ResultFile
+from studies.campaign_folder import locked, open_results
 from studies.coverage_growth import GROWTH_HEADER, growth
-from studies.coverage_mission import CoverageMission, CoverageOutcome
+from studies.coverage_mission import CoverageMission
+from studies.coverage_plans import PLAN_HEADER, plan_row
 from swarm_agent.coverage.config import CoverageConfig, Expansion, MotionConfig, Rule
+from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.geometry.solids.description import solid_from
 from swarm_msgs_py.randomness import rng_for
 from swarm_sim.metrics.coverage import CoverageProbe
-from swarm_sim.metrics.covering import CoveringErrors
 from swarm_sim.points.config import PointSimConfig, SpaceRadioConfig
 
 EDGE = 200.0 / 3.0  # 66.7 m
@@ -32,36 +37,53 @@ EXPERIMENTS: dict[str, tuple[dict[str, Any], float]] = {
 
 EXACT, NOISY = 0.95, 0.90  # placement without and with process noise [I13]
 TICKS_MAX = 3000
-HEADER = "experiment  rule    expansion  seeds done robots       rendezvous  expansion      lost links  covered  wall"
+HEADER = (
+    "experiment  rule    expansion  seeds done robots       rendezvous  expansion      lost links  covered"
+    "  wall              CPU"
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """One mission's outcome and measures.
+    """One mission's outcome and measures; all of it can be written as JSON.
 
     Attributes
     ----------
-    outcome : CoverageOutcome
+    is_complete : bool
+    placed : int
+        Followers that hold a place at the end.
+    rendezvous_s, expansion_s : float
+        Simulated [s].
+    violations : int
+        Ticks with a link missing.
     covered : float
         Share of the volume.
-    wall_s : float
+    wall_s, cpu_s : float
         [s].
-    errors : CoveringErrors
-        Of placement and localization.
     components : int
         Pieces at the end.
     spares : int
         Robots that hold a place at the end and did not before others died.
     killed : int
+    chains : list of int
+        Steps of localization of those who hold places.
+    localization : list of float
+        Their errors [m].
     """
 
-    outcome: CoverageOutcome
+    is_complete: bool
+    placed: int
+    rendezvous_s: float
+    expansion_s: float
+    violations: int
     covered: float
     wall_s: float
-    errors: CoveringErrors
+    cpu_s: float
     components: int
-    spares: int = 0
-    killed: int = 0
+    spares: int
+    killed: int
+    chains: list[int]
+    localization: list[float]
 
 
 def settings_of(
@@ -81,47 +103,71 @@ def settings_of(
     return agents, world
 
 
-def trials(arguments: argparse.Namespace, name: str) -> Iterator[Trial]:
-    """Yield one trial per seed; with `--kill`, that share of the placed followers dies once the shape is covered."""
+def trials(arguments: argparse.Namespace, name: str, results: ResultFile) -> Iterator[Trial]:
+    """Yield one trial per seed, those that are in the file of results from there."""
+    solid = solid_from(EXPERIMENTS[name][0])
+    probe = CoverageProbe(solid, EXPERIMENTS[name][1], seed=0)
+    for seed in range(arguments.seeds):
+        key = _key(arguments, name, seed)
+        if key not in results.records:
+            results.append(key, asdict(_trial(arguments, name, probe, seed)))
+        yield Trial(**dict[str, Any](results.records[key]))
+
+
+def _key(arguments: argparse.Namespace, name: str, seed: int) -> str:
+    """Return what tells one trial from all others."""
+    numbers = [f"{what}={getattr(arguments, what):g}" for what in ("sigma", "offset_sigma", "kill", "robots")]
+    drifts = ["drifts"] if arguments.drifts else []
+    return " ".join([name, arguments.rule, arguments.expansion, *numbers, *drifts, f"seed={seed}"])
+
+
+def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed: int) -> Trial:
+    """Run one mission; with `--kill`, that share of the placed followers dies once the shape is covered."""
     shape, radius = EXPERIMENTS[name]
     rule, expansion = Rule(arguments.rule), Expansion(arguments.expansion)
     agents, world = settings_of(name, rule, expansion, arguments.sigma, arguments.offset_sigma)
-    probe = CoverageProbe(solid_from(shape), radius, seed=0)
-    for seed in range(arguments.seeds):
-        start = time.perf_counter()
-        mission = CoverageMission(shape, agents, world, arguments.robots, seed)
-        outcome = mission.run(TICKS_MAX)
-        before, count = set(mission.watch.holders), 0
-        if arguments.kill:
-            placed = sorted(before - {LEADER})
-            count = round(arguments.kill * len(placed))
-            mission.kill(rng_for(seed, "coverage", "kill").choice(placed, count, replace=False).tolist())
-            outcome = mission.run(2 * TICKS_MAX)
-        wall = time.perf_counter() - start
-        yield Trial(
-            outcome,
-            probe.measure(outcome.positions).covered_fraction,
-            wall,
-            mission.watch.errors(radius, np.zeros(3)),
-            mission.watch.components,
-            len(set(mission.watch.holders) - before),
-            count,
-        )
+    wall, cpu = time.perf_counter(), time.process_time()
+    mission = CoverageMission(shape, agents, replace(world, drifts=arguments.drifts), arguments.robots, seed)
+    outcome = mission.run(TICKS_MAX)
+    before, count = set(mission.watch.holders), 0
+    if arguments.kill:
+        placed = sorted(before - {LEADER})
+        count = round(arguments.kill * len(placed))
+        mission.kill(rng_for(seed, "coverage", "kill").choice(placed, count, replace=False).tolist())
+        outcome = mission.run(2 * TICKS_MAX)
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    errors = mission.watch.errors(radius, np.zeros(3))
+    return Trial(
+        outcome.is_complete,
+        outcome.placed,
+        outcome.rendezvous_s,
+        outcome.expansion_s,
+        outcome.violations,
+        probe.measure(outcome.positions).covered_fraction,
+        wall,
+        cpu,
+        mission.watch.components,
+        len(set(mission.watch.holders) - before),
+        count,
+        errors.chains.tolist(),
+        errors.localization.tolist(),
+    )
 
 
 def row(name: str, arguments: argparse.Namespace, done: Sequence[Trial]) -> str:
     """Return the line of the table for all trials of one experiment."""
-    robots = np.array([trial.outcome.placed for trial in done])
-    expansion = np.array([trial.outcome.expansion_s for trial in done])
+    robots = np.array([trial.placed for trial in done])
+    expansion = np.array([trial.expansion_s for trial in done])
     return (
         f"{name:11s} {arguments.rule:7s} {arguments.expansion:10s} {len(done):5d}"
-        f" {sum(trial.outcome.is_complete for trial in done):4d}"
+        f" {sum(trial.is_complete for trial in done):4d}"
         f" {robots.mean():5.2f} ({robots.min()}-{robots.max()})"
-        f"  {max(trial.outcome.rendezvous_s for trial in done):5.0f} s max"
+        f"  {max(trial.rendezvous_s for trial in done):5.0f} s max"
         f"  {expansion.mean():4.0f} s, {expansion.max():4.0f} max"
-        f"  {sum(trial.outcome.violations for trial in done):5d}"
+        f"  {sum(trial.violations for trial in done):5d}"
         f"    {np.mean([trial.covered for trial in done]):.5f}"
         f"  {np.mean([trial.wall_s for trial in done]):.1f} s, {max(trial.wall_s for trial in done):.1f} max"
+        f"  {np.mean([trial.cpu_s for trial in done]):.1f} s"
     )
 
 
@@ -135,15 +181,15 @@ def repair(done: Sequence[Trial]) -> str:
     )
 
 
-def depths(done: Sequence[Trial], sigma: float) -> str:
-    """Return the line on errors of localization by depth, against noise of sensing that adds up along the chain."""
-    depth = np.concatenate([trial.errors.depths for trial in done])
-    error = np.concatenate([trial.errors.localization for trial in done])
+def steps(done: Sequence[Trial], sigma: float) -> str:
+    """Return the line on errors of localization by steps, against noise of sensing that adds up along the chain."""
+    chain = np.concatenate([trial.chains for trial in done])
+    error = np.concatenate([trial.localization for trial in done])
     found = [
-        f"{h}: {np.sqrt(np.mean(error[depth == h] ** 2)):.3f} ({sigma * np.sqrt(3.0 * h):.3f})"
-        for h in range(1, int(depth.max()) + 1)
+        f"{h}: {np.sqrt(np.mean(error[chain == h] ** 2)):.3f} ({sigma * np.sqrt(3.0 * h):.3f})"
+        for h in np.unique(chain[chain > 0]).tolist()
     ]
-    return f"            rms error of localization by depth, theory in brackets [m]  {'  '.join(found)}"
+    return f"            rms error of localization by steps, theory in brackets [m]  {'  '.join(found)}"
 
 
 def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
@@ -157,6 +203,9 @@ def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--robots", type=int, default=100, help="the leader included")
     parser.add_argument("--kill", type=float, default=0.0, help="share of the placed followers that die")
+    parser.add_argument("--drifts", action="store_true", help="noise moves robots at rest as well")
+    parser.add_argument("--out", type=Path, help="folder that keeps finished missions; the same command goes on there")
+    parser.add_argument("--plan", action="store_true", help="instead: plan places by the rule, without messages")
     parser.add_argument("--growth", type=float, nargs="+", help="instead: plan places in balls of these radii [m]")
     parser.add_argument("--missions", type=float, nargs="+", default=(), help="with --growth: whole missions in these")
     return parser.parse_args(words)
@@ -170,12 +219,35 @@ def main(words: Sequence[str] | None = None) -> int:
         for line in growth(arguments.growth, arguments.missions):
             print(line, flush=True)
         return 0
+    if arguments.plan:
+        print(PLAN_HEADER)
+        for name in arguments.experiment:
+            config, _ = settings_of(name, Rule(arguments.rule), Expansion.SERIAL, arguments.sigma)
+            print(plan_row(name, solid_from(EXPERIMENTS[name][0]), config, arguments.seeds), flush=True)
+        return 0
+    try:
+        if arguments.out is None:
+            _tell(arguments, ResultFile(None, ""))
+        else:
+            results = open_results(arguments.out)
+            with locked(arguments.out):
+                _tell(arguments, results)
+    except ConfigError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _tell(arguments: argparse.Namespace, results: ResultFile) -> None:
+    """Print a row for each experiment as soon as all of its missions are done."""
+    runs = [_key(arguments, name, seed) for name in arguments.experiment for seed in range(arguments.seeds)]
+    if warning := results.warning(runs):
+        print(warning, file=sys.stderr)
     print(HEADER)
     for name in arguments.experiment:
-        done = list(trials(arguments, name))
+        done = list(trials(arguments, name, results))
         print(row(name, arguments, done), flush=True)
         if arguments.kill:
             print(repair(done), flush=True)
         if arguments.offset_sigma:
-            print(depths(done, arguments.offset_sigma), flush=True)
-    return 0
+            print(steps(done, arguments.offset_sigma), flush=True)

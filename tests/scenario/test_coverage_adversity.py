@@ -115,3 +115,18 @@ def test_what_is_no_frame_is_dropped() -> None:
     outputs = swarm.agents[LEADER].step(replace(seen, inbox=(b"", b"\x81", b"\x01\x02", bytes(40))))
 
     assert outputs.report.mode is CoverageMode.GATHERING
+
+
+def test_robots_at_rest_that_drift_keep_station() -> None:
+    sigma, rest = 1.0, 100
+    swarm = mission(seed=6, robots=14, sigma_m=sigma, world=PointSimConfig(process_sigma_m=sigma, drifts=True))
+    swarm.run(700)
+    assert swarm.watch.is_over
+
+    for _ in range(rest):
+        swarm.tick()
+
+    off = swarm.watch.errors(50.0, np.zeros(3)).placement
+    assert swarm.watch.violations == 0
+    assert np.sqrt(np.mean(off**2)) < 0.5 * sigma * np.sqrt(3.0 * rest)  # of robots that only drifted
+    assert covered(swarm.outcome().positions) >= 0.99

@@ -12,6 +12,7 @@ from bringup.assembly.scenario import AssemblyScenario
 from bringup.engine import TickRecord
 from bringup.family import Metrics
 from bringup.history import NOT_REPORTED, Chronicle, PairChanges
+from bringup.run_numbers import run_numbers
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.assembly.boat_io import AssemblyReport, BoatMode
 from swarm_msgs_py.types import MISSION, NodeId
@@ -171,34 +172,11 @@ class AssemblyAccount:
 
     def _common(self, engine: str, verdict: Verdict, timing: Timing) -> dict[str, Any]:
         """Return what all families tell."""
-        scenario, truths = self._scenario, self._truths
-        sim_time = len(truths) * self._period
-        moved = sum(float(np.linalg.norm(truth.ends - truth.positions, axis=1).sum()) for truth in truths)
-        return {
-            "scenario": scenario.name,
-            "family": scenario.family.value,
+        return run_numbers(self._scenario, self._truths, engine, verdict, timing) | {
             "method": "timed",
-            "seed": scenario.seed,
-            "engine": engine,
-            "physics": scenario.sim.bodies.value,
-            "robots": scenario.boats,
-            "achieved": verdict.achieved,
-            "reason": verdict.reason,
-            "ticks": len(truths),
-            "sim_time_s": sim_time,
-            "wall_time_s": timing.wall_time_s,
-            "real_time_factor": sim_time / timing.wall_time_s if timing.wall_time_s > 0.0 else None,
-            "startup_s": timing.startup_s,
-            "total_displacement_m": moved,
-            "displacement_lower_bound_m": None,
+            "physics": self._scenario.sim.bodies.value,
             "settling_time_s": self._built_at,
-            "collisions": len(truths[-1].overlaps) if truths else 0,
-            "min_clearance_m": None,
-            "localization_rmse_m": None,
-            "localization_max_m": None,
-            "radio_frames": sum(truth.radio.frames for truth in truths),
-            "radio_bytes": sum(truth.radio.bytes for truth in truths),
-            "radio_peak_bps": max((truth.radio.peak_bps for truth in truths), default=0.0),
+            "collisions": len(self._truths[-1].overlaps) if self._truths else 0,
             "lost_robots": len(self._lost - {MISSION}),
         }
 

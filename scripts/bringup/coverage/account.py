@@ -12,6 +12,7 @@ from bringup.coverage.starts import LEADER
 from bringup.engine import TickRecord
 from bringup.family import Metrics
 from bringup.history import NOT_REPORTED, Chronicle
+from bringup.run_numbers import run_numbers
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.coverage_io import CoverageMode, CoverageReport
 from swarm_msgs_py.geometry.solids.description import solid_from
@@ -195,38 +196,13 @@ class CoverageAccount:
 
     def _common(self, engine: str, verdict: Verdict, timing: Timing) -> dict[str, Any]:
         """Return what all families tell; point robots have no bodies to collide."""
-        scenario, truths = self._scenario, self._truths
-        sim_time = len(truths) * self._period
-        moved = sum(float(np.linalg.norm(truth.ends - truth.positions, axis=1).sum()) for truth in truths)
-        errors = self.covering.errors(scenario.agent.range_m, self._shift()).localization
-        rms = float(np.sqrt(np.mean(errors**2))) if len(errors) else None
-        return {
-            "scenario": scenario.name,
-            "family": scenario.family.value,
-            "method": scenario.method,
-            "seed": scenario.seed,
-            "engine": engine,
+        errors = self.covering.errors(self._scenario.agent.range_m, self._shift()).localization
+        return run_numbers(self._scenario, self._truths, engine, verdict, timing) | {
+            "method": self._scenario.method,
             "physics": "points",
-            "robots": scenario.robots.count,
-            "achieved": verdict.achieved,
-            "reason": verdict.reason,
-            "ticks": len(truths),
-            "sim_time_s": sim_time,
-            "wall_time_s": timing.wall_time_s,
-            "real_time_factor": sim_time / timing.wall_time_s if timing.wall_time_s > 0.0 else None,
-            "startup_s": timing.startup_s,
-            "total_displacement_m": moved,
-            "displacement_lower_bound_m": None,
             "settling_time_s": self._period * self.covering.placed_at if self.covering.is_over else None,
-            "collisions": 0,
-            "min_clearance_m": None,
-            "localization_rmse_m": rms,
+            "localization_rmse_m": float(np.sqrt(np.mean(errors**2))) if len(errors) else None,
             "localization_max_m": float(errors.max()) if len(errors) else None,
-            "radio_frames": sum(truth.radio.frames for truth in truths),
-            "radio_bytes": sum(truth.radio.bytes for truth in truths),
-            "radio_peak_bps": max((truth.radio.peak_bps for truth in truths), default=0.0),
-            "radio_neighborhood_peak_bps": max((truth.radio.neighborhood_bps for truth in truths), default=0.0),
-            "radio_dropped_frames": sum(truth.radio.dropped for truth in truths),
             "lost_robots": len(self._lost - {MISSION}),
         }
 

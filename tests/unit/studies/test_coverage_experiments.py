@@ -2,18 +2,43 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from studies.coverage_experiments import EXPERIMENTS, main, settings_of
 from swarm_agent.coverage.config import Expansion, Rule
 
 
-def test_the_study_prints_a_row_per_experiment(capsys: pytest.CaptureFixture[str]) -> None:
-    code = main(["--experiment", "box", "--rule", "gain", "--expansion", "parallel", "--seeds", "1", "--sigma", "0"])
+def test_the_study_prints_a_row_per_experiment_and_goes_on_where_it_was(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    command = ["--experiment", "box", "--rule", "gain", "--expansion", "parallel", "--seeds", "1", "--sigma", "0"]
+    codes = [main([*command, "--out", str(tmp_path)]) for _ in range(2)]
 
-    _, row = capsys.readouterr().out.splitlines()
-    assert code == 0
+    _, row, _, again = capsys.readouterr().out.splitlines()
+    assert codes == [0, 0]
     assert row.split()[:5] == ["box", "gain", "parallel", "1", "1"]
+    assert again == row
+    assert len((tmp_path / "results.jsonl").read_text(encoding="utf-8").splitlines()) == 1
+
+
+def test_a_folder_that_cannot_be_written_is_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+
+    assert main(["--experiment", "box", "--seeds", "1", "--out", str(tmp_path / "file")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_plans_are_told_by_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--plan", "--experiment", "box", "--rule", "gain", "--seeds", "1", "--sigma", "0"]) == 0
+
+    row = capsys.readouterr().out.splitlines()[1].split()
+    assert row[:3] == ["box", "gain", "1"]
+    assert float(row[3]) <= 15
+    assert float(row[5]) >= 0.999
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

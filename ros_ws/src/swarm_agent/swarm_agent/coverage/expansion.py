@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from swarm_agent.coverage.config import CoverageConfig, Rule
-from swarm_agent.coverage.rules import REACH, Choice, Site, choose
+from swarm_agent.coverage.rules import choose
 from swarm_agent.coverage.sense_sphere import directions_of
+from swarm_agent.coverage.sites import REACH, Choice, Site
 from swarm_agent.coverage.store import FrontierStore
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.geometry.solids.solid import Solid

@@ -8,8 +8,9 @@ from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
 from swarm_agent.coverage.frames import NOBODY, Place, State, on_air
 from swarm_agent.coverage.frontier import Frontier
-from swarm_agent.coverage.rules import REACH, Site, choose
+from swarm_agent.coverage.rules import choose
 from swarm_agent.coverage.sense_sphere import TOUCHING, directions_of
+from swarm_agent.coverage.sites import REACH, Site
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.geometry.solids.solid import Solid
 from swarm_msgs_py.randomness import rng_for

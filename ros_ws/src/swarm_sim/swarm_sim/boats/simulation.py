@@ -11,16 +11,14 @@ import numpy as np
 from swarm_msgs_py.assembly.boat_io import AssemblyInputs
 from swarm_msgs_py.assembly.faces import Face
 from swarm_msgs_py.config import Config, section, setting
-from swarm_msgs_py.messages.camera import CameraInfo
-from swarm_msgs_py.step_io import MissionInputs
 from swarm_msgs_py.types import MISSION, BoolArray, FloatArray, NodeId
 from swarm_sim.boats.config import BoatsConfig
 from swarm_sim.boats.pool import BodyKind, Fleet, LatchEvent, Pool
+from swarm_sim.commanded_world import CommandedWorld
 from swarm_sim.config import RadioConfig
 from swarm_sim.electronics import Electronics
 from swarm_sim.radio.links import make_links
 from swarm_sim.radio.medium import RadioTraffic
-from swarm_sim.ticked_world import Observation
 from swarm_sim.world.obstacles import ObstacleField
 
 
@@ -87,7 +85,7 @@ class PoolTruth:
     radio: RadioTraffic
 
 
-class BoatSimulation:
+class BoatSimulation(CommandedWorld[AssemblyInputs]):
     """The world of one run of boats; implements `swarm_sim.ticked_world.TickedWorld`.
 
     Parameters
@@ -104,70 +102,23 @@ class BoatSimulation:
     def __init__(
         self, config: BoatSimConfig, scene: PoolScene, seed: int, deaths: Mapping[NodeId, int] = MappingProxyType({})
     ) -> None:
-        self.robots = tuple(NodeId(robot) for robot in range(len(scene.fleet.poses)))
-        self._period_s = config.period_s
+        count = len(scene.fleet.poses)
+        links = make_links(config.radio, ObstacleField(()))
+        nodes = (*map(NodeId, range(count)), MISSION)
+        super().__init__(Electronics(config.radio, links, nodes, config.period_s, seed, deaths), count, config.period_s)
         self._side_m = config.boats.hull.side_m
         self._antenna = np.array(scene.antenna, dtype=np.float64)[None]
         self._magnets = dict(scene.magnets)
         self._pool = Pool(config.boats, config.bodies, scene.fleet, seed)
-        links = make_links(config.radio, ObstacleField(()))
-        nodes = (*self.robots, MISSION)
-        self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths)
-        self._tick = 0
-        self._velocities = np.zeros((len(self.robots), 3))
-        self._observed: Mapping[NodeId, AssemblyInputs] | None = None
-        self._is_applied = False
-
-    @property
-    def camera_info(self) -> CameraInfo | None:
-        """Return None: nobody looks at these boats from above."""
-        return None
-
-    @property
-    def tick(self) -> int:
-        """Number of the current tick, 0, 1, ..."""
-        return self._tick
-
-    @property
-    def time(self) -> float:
-        """Simulated time at the start of the current tick [s]."""
-        return self._tick * self._period_s
 
     @property
     def events(self) -> tuple[LatchEvent, ...]:
         """All that latched or came apart so far."""
         return tuple(self._pool.events)
 
-    def observe(self) -> Observation[AssemblyInputs]:
-        """Return what every actor learns in this tick; the same however often it is asked."""
-        if self._observed is None:
-            self._observed = self._sense()
-        mission = MissionInputs(self._tick, self.time, self._electronics.inboxes[-1])
-        return Observation(self._tick, self.time, self._observed, mission)
-
-    def apply(self, commands: Mapping[NodeId, FloatArray], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
-        """Hand over what the actors answered in this tick; at most once per tick. Who does not answer stays.
-
-        Raises
-        ------
-        KeyError
-            If an address does not exist.
-        RuntimeError
-            If called twice in a tick.
-        """
-        if self._is_applied:
-            raise RuntimeError(f"tick {self._tick}: the answers were applied already")
-        self._is_applied = True
-        for robot, velocity in commands.items():
-            if self._electronics.is_alive(robot):
-                self._velocities[robot] = velocity
-        self._electronics.transmit(self._tick, outboxes, self._antennas)
-
     def advance(self) -> PoolTruth:
         """Move the boats by one tick, and begin the next."""
-        if not self._is_applied:
-            self.apply({}, {})
-        pool, alive = self._pool, self._electronics.alive[:-1].copy()
+        pool, alive = self._pool, self._working()
         for (robot, face), tick in list(self._magnets.items()):
             if tick <= self._tick:
                 pool.fail_magnet(robot, face)
@@ -187,43 +138,13 @@ class BoatSimulation:
             energy_n2s=float((pool.thrusts**2).sum()) * self._period_s,
             radio=self._electronics.traffic,
         )
-        self._tick += 1
-        self._velocities = np.zeros_like(self._velocities)
-        self._electronics.begin(self._tick)
-        self._observed, self._is_applied = None, False
+        self._begin_tick()
         return truth
-
-    def kill(self, node: NodeId) -> None:
-        """End a boat's computer, or the mission computer's radio; raises `KeyError` if it does not exist."""
-        if self._electronics.kill(self._tick, node) and self._observed is not None:
-            self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
-
-    def revive(self, node: NodeId) -> None:
-        """Switch a robot on, where it stands; raises `KeyError` if it does not exist."""
-        if self._electronics.revive(self._tick, node):
-            self._observed = None
-
-    def is_on(self, node: NodeId) -> bool:
-        """Return whether a node works; raises `KeyError` if it does not exist."""
-        return self._electronics.is_alive(node)
 
     @property
     def radii(self) -> FloatArray:
         """How large robots are drawn, (n,) [m]."""
         return np.full(len(self.robots), self._side_m / 2.0)
-
-    @property
-    def links(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of robots that can hear each other now."""
-        return self._electronics.links(self._antennas).pairs(len(self.robots))
-
-    def take_arrived(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that appeared because the scene says so."""
-        return self._electronics.take_arrived()
-
-    def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""
-        return self._electronics.take_died()
 
     def close(self) -> None:
         """Free the physics back end; may be called again."""

@@ -25,11 +25,15 @@ class CoveringErrors:
         In the order of the robots' numbers.
     depths : (p,) int array
         Links to the leader over robots that hold places, -1 without a way.
+    chains : (p,) int array
+        Steps of localization from the leader: a robot is located by the nearest one that holds a place when it arrives,
+        so that there may be more than links.
     """
 
     placement: FloatArray
     localization: FloatArray
     depths: np.ndarray
+    chains: np.ndarray
 
 
 class Covering:
@@ -59,6 +63,7 @@ class Covering:
         self._done_for = 0
         self.reports: Mapping[NodeId, CoverageReport] = {}
         self._alive = np.zeros(0, dtype=np.bool_)
+        self._chains: dict[NodeId, int] = {}
         self.positions: FloatArray = np.empty((0, 3))
         self.modes: dict[NodeId, CoverageMode] = {}
         self.components = self.ticks = self.violations = 0
@@ -75,11 +80,19 @@ class Covering:
         if not any(report.is_leading and report.mode is CoverageMode.HOLDING for report in reports.values()):
             self.expanding_at = max(self.expanding_at, self.ticks) if not self.placed_at else self.expanding_at
         before = {robot for robot, mode in self.modes.items() if mode is CoverageMode.HOLDING}
-        if {robot for robot, mode in modes.items() if mode is CoverageMode.HOLDING} - before:
+        newcomers = {robot for robot, mode in modes.items() if mode is CoverageMode.HOLDING} - before
+        if newcomers:
             self.placed_at = self.ticks
+            self._note_chains(sorted(newcomers), sorted(before & modes.keys()), truth.positions)
         self.modes, self.reports, self._alive, self.positions = modes, reports, truth.alive, truth.ends
         is_done = bool(modes) and all(reports[robot].is_done for robot in modes)
         self._done_for = self._done_for + 1 if is_done else 0
+
+    def _note_chains(self, newcomers: list[NodeId], holders: list[NodeId], positions: FloatArray) -> None:
+        """Note by how many steps robots are located that now hold places; nobody locates the first one."""
+        for robot in newcomers:
+            away = np.linalg.norm(positions[holders] - positions[robot], axis=1)
+            self._chains[robot] = self._chains[holders[int(away.argmin())]] + 1 if holders else 0
 
     def expect(self, ticks: int = 0) -> None:
         """Count from anew when nothing is left to do, after something has happened that takes `ticks` to be noticed."""
@@ -134,6 +147,7 @@ class Covering:
             placement=np.linalg.norm(true - targets, axis=1),
             localization=np.linalg.norm(true - beliefs, axis=1),
             depths=_depths(true, leading[0] if leading else 0, range_m),
+            chains=np.array([self._chains[robot] for robot in holders], dtype=np.int64),
         )
 
 

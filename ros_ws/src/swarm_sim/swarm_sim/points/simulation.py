@@ -10,15 +10,13 @@ import numpy as np
 
 from swarm_msgs_py.coverage_io import CoverageInputs
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
-from swarm_msgs_py.messages.camera import CameraInfo
 from swarm_msgs_py.randomness import rng_for
-from swarm_msgs_py.step_io import MissionInputs
 from swarm_msgs_py.types import MISSION, BoolArray, FloatArray, NodeId
+from swarm_sim.commanded_world import CommandedWorld
 from swarm_sim.electronics import Electronics
 from swarm_sim.points.config import PointSimConfig
 from swarm_sim.points.links import SpaceLinks
 from swarm_sim.radio.medium import RadioTraffic
-from swarm_sim.ticked_world import Observation
 
 NO_SPEED = 1e-12  # [m/s]
 SHOWN_RADIUS_M = 0.25  # of robots that are points, for viewers
@@ -77,7 +75,7 @@ class PointScene:
     arrivals: Mapping[NodeId, int] = field(default_factory=dict)
 
 
-class PointSimulation:
+class PointSimulation(CommandedWorld[CoverageInputs]):
     """The world of one run of point robots; implements `swarm_sim.ticked_world.TickedWorld`.
 
     Parameters
@@ -97,70 +95,25 @@ class PointSimulation:
         seed: int,
         deaths: Mapping[NodeId, int] = MappingProxyType({}),
     ) -> None:
-        self.robots = tuple(NodeId(robot) for robot in range(len(scene.starts)))
+        count = len(scene.starts)
+        links = SpaceLinks(config.radio, scene.barriers)
+        nodes = (*map(NodeId, range(count)), MISSION)
+        electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths, scene.arrivals)
+        super().__init__(electronics, count, config.period_s)
         self._config, self._leader, self._barriers = config, scene.leader, scene.barriers
         self._positions: FloatArray = np.array(scene.starts, dtype=np.float64)
         self._antenna = np.array(scene.antenna, dtype=np.float64)[None]
-        links = SpaceLinks(config.radio, scene.barriers)
-        nodes = (*self.robots, MISSION)
-        self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths, scene.arrivals)
         self._process = rng_for(seed, "points", "process noise")
         self._sensing = rng_for(seed, "points", "offsets")
-        self._tick = 0
-        self._velocities = np.zeros_like(self._positions)
-        self._observed: Mapping[NodeId, CoverageInputs] | None = None
-        self._is_applied = False
-
-    @property
-    def camera_info(self) -> CameraInfo | None:
-        """Return None: nobody looks at these robots from above."""
-        return None
-
-    @property
-    def tick(self) -> int:
-        """Number of the current tick, 0, 1, ..."""
-        return self._tick
-
-    @property
-    def time(self) -> float:
-        """Simulated time at the start of the current tick [s]."""
-        return self._tick * self._config.period_s
 
     @property
     def positions(self) -> FloatArray:
         """Where the robots are now, (n, 3) [m]."""
         return self._positions
 
-    def observe(self) -> Observation[CoverageInputs]:
-        """Return what every actor learns in this tick; the same however often it is asked."""
-        if self._observed is None:
-            self._observed = self._sense()
-        mission = MissionInputs(self._tick, self.time, self._electronics.inboxes[-1])
-        return Observation(self._tick, self.time, self._observed, mission)
-
-    def apply(self, commands: Mapping[NodeId, FloatArray], outboxes: Mapping[NodeId, tuple[bytes, ...]]) -> None:
-        """Hand over what the actors answered in this tick; at most once per tick. Who does not answer stands still.
-
-        Raises
-        ------
-        KeyError
-            If an address does not exist.
-        RuntimeError
-            If called twice in a tick.
-        """
-        if self._is_applied:
-            raise RuntimeError(f"tick {self._tick}: the answers were applied already")
-        self._is_applied = True
-        for robot, velocity in commands.items():
-            if self._electronics.is_alive(robot):
-                self._velocities[robot] = velocity
-        self._electronics.transmit(self._tick, outboxes, self._antennas)
-
     def advance(self) -> PointTruth:
         """Move the robots by one tick, and begin the next."""
-        if not self._is_applied:
-            self.apply({}, {})
-        alive = self._electronics.alive[:-1].copy()
+        alive = self._working()
         starts, table = self._positions, self._electronics.links(self._antennas)
         self._positions = starts + self._steps(alive)
         truth = PointTruth(
@@ -173,43 +126,13 @@ class PointSimulation:
             links=np.argwhere(np.triu(table.connected[:-1, :-1])),
             radio=self._electronics.traffic,
         )
-        self._tick += 1
-        self._velocities = np.zeros_like(starts)
-        self._electronics.begin(self._tick)
-        self._observed, self._is_applied = None, False
+        self._begin_tick()
         return truth
-
-    def kill(self, node: NodeId) -> None:
-        """End a robot, or the mission computer's radio; raises `KeyError` if it does not exist."""
-        if self._electronics.kill(self._tick, node) and self._observed is not None:
-            self._observed = {robot: inputs for robot, inputs in self._observed.items() if robot != node}
-
-    def revive(self, node: NodeId) -> None:
-        """Switch a robot on, where it stands; raises `KeyError` if it does not exist."""
-        if self._electronics.revive(self._tick, node):
-            self._observed = None
-
-    def is_on(self, node: NodeId) -> bool:
-        """Return whether a node works; raises `KeyError` if it does not exist."""
-        return self._electronics.is_alive(node)
 
     @property
     def radii(self) -> FloatArray:
         """How large robots are drawn, (n,) [m]."""
         return np.full(len(self.robots), SHOWN_RADIUS_M)
-
-    @property
-    def links(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of robots that can hear each other now."""
-        return self._electronics.links(self._antennas).pairs(len(self.robots))
-
-    def take_arrived(self) -> tuple[NodeId, ...]:
-        """Return, once, the robots that appeared because the scene says so."""
-        return self._electronics.take_arrived()
-
-    def take_died(self) -> tuple[NodeId, ...]:
-        """Return, once, the nodes that died because `deaths` says so, in the order of their deaths."""
-        return self._electronics.take_died()
 
     def close(self) -> None:
         """Nothing is held."""

@@ -22,3 +22,7 @@ class Solid(Protocol):
     def contains(self, points: FloatArray) -> BoolArray:
         """Return which of `points` (n, 3) [m] are inside or on the surface, (n,)."""
         ...
+
+    def __hash__(self) -> int:
+        """Return what tells it from others, so that what follows from a shape need not be computed again."""
+        ...

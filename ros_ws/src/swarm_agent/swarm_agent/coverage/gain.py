@@ -1,0 +1,187 @@
+"""The gain rule: the place next to a robot that covers most, leaves no slivers, and leaves the least to be done.
+
+Everything is judged by what one robot knows of its surroundings. Some places toward its frontier points, far apart
+from each other, are improved by what they gain (`_Worth`); for each, the rest of the surroundings is then filled
+greedily, as if all robots around chose at once, and the place with which that takes fewest robots wins. Such a
+look ahead with a greedy base policy is a rollout.
+
+References
+----------
+.. [1] D. P. Bertsekas, "Rollout algorithms for discrete optimization: a survey", Handbook of Combinatorial
+       Optimization, Springer 2013.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
+
+from swarm_agent.coverage.config import CoverageConfig
+from swarm_agent.coverage.sense_sphere import TOUCHING, covered_samples, directions_of
+from swarm_agent.coverage.sites import REACH, Choice, Site
+from swarm_msgs_py.geometry.solids.sampling import interior_points, volume
+from swarm_msgs_py.geometry.solids.solid import Solid
+from swarm_msgs_py.randomness import rng_for
+from swarm_msgs_py.types import FloatArray
+
+SHARES = (1.0, 0.85, 0.7)  # of the farthest place toward a frontier point: nearer ones leave no slivers behind
+COARSE_MAX = 300  # places that are looked at first
+STARTS, APART = 6, 0.3  # best of them that are improved, and how far they are apart, in ranges
+TRIES, ROUNDS = 12, 3  # places around each of them that are tried, and how often
+TRY_SHARE = 0.12  # of the range: standard deviation of the first tries; each round halves it
+VOLUME_WEIGHT = 4.0  # of the volume newly covered, in balls, against frontier points deleted, in spheres
+OPENED_WEIGHT = 4.0  # the same of frontier points that the newcomer would have
+FURTHER_WEIGHT = 1.0  # the same of each robot that it takes afterward
+FURTHER_PLACES = 300  # of the surroundings, where those may stand
+DENSITY = 400.0  # points per ball that stand for the volume of the shape
+POINTS_MIN, POINTS_MAX = 200, 400_000  # of the whole shape
+TRIALS = 20_000  # points by which its volume is told
+
+
+def best_place(config: CoverageConfig, site: Site, rng: np.random.Generator) -> Choice:
+    """Return where the gain rule wants the next robot.
+
+    Parameters
+    ----------
+    config : CoverageConfig
+    site : Site
+    rng : Generator
+        Of the places that are tried.
+    """
+    worth = _Worth(config, site)
+    places, values = _improved(*_starts(config, site, worth, rng), config, site, worth, rng)
+    scores = values - FURTHER_WEIGHT * _further(places, config, site, rng)
+    best = int(np.argmax(scores))
+    row = int(np.argmin(np.linalg.norm(site.own - places[best], axis=1)))
+    return Choice(row, places[best], float(values[best]))
+
+
+class _Worth:
+    """How good places for the next robot are: what it newly covers, less the frontier that it would bring along.
+
+    A place that takes most at once leaves slivers at the edges of the shape, each of which takes a robot of its own.
+    They show as frontier of the newcomer, beside and behind it, so that this counts against it.
+
+    Parameters
+    ----------
+    config : CoverageConfig
+    site : Site
+    """
+
+    def __init__(self, config: CoverageConfig, site: Site) -> None:
+        self._site, self._radius, self._directions = site, config.range_m, directions_of(config)
+        near = _volume_near(site, self._radius, 2.0)
+        left = near[cdist(near, site.others).min(axis=1) > self._radius]
+        self._points = np.concatenate([left, site.around])
+        shares = VOLUME_WEIGHT / DENSITY, 1.0 / len(self._directions)
+        self._weights = np.repeat(shares, (len(left), len(site.around)))
+
+    def __call__(self, places: FloatArray) -> FloatArray:
+        """Return the worth of each of `places` (k, 3) [m], (k,), in spheres of frontier points."""
+        covers = cdist(places, self._points) <= self._radius * (1.0 + TOUCHING)
+        worth: FloatArray = covers @ self._weights - OPENED_WEIGHT * self._opened(places)
+        return worth
+
+    def _opened(self, places: FloatArray) -> FloatArray:
+        """Return how much frontier a robot at each place would have, in spheres, (k,)."""
+        others, count = self._site.others, len(self._directions)
+        offsets = (others - places[:, None]).reshape(-1, 3)
+        covered = covered_samples(self._directions, self._radius, offsets).reshape(count, len(places), len(others))
+        sample, row = np.nonzero(~covered.any(axis=2))
+        points = self._site.position + places[row] + self._radius * self._directions[sample]
+        opened: FloatArray = np.bincount(row, self._site.solid.contains(points), len(places)) / count
+        return opened
+
+
+def _starts(
+    config: CoverageConfig, site: Site, worth: _Worth, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Return the best places toward frontier points that are some way apart, (k, 3) [m], and their worth, (k,)."""
+    places = np.concatenate([share * config.placement * site.own for share in SHARES])
+    if len(places) > COARSE_MAX:
+        places = places[rng.choice(len(places), COARSE_MAX, replace=False)]
+    values = worth(places)
+    chosen: list[int] = []
+    for row in np.argsort(-values, kind="stable").tolist():
+        away = np.linalg.norm(places[chosen] - places[row], axis=1)
+        if (away > APART * config.range_m).all():
+            chosen.append(row)
+        if len(chosen) == STARTS:
+            break
+    return places[chosen], values[chosen]
+
+
+def _improved(  # noqa: PLR0913, PLR0917 - what a search follows from
+    places: FloatArray,
+    values: FloatArray,
+    config: CoverageConfig,
+    site: Site,
+    worth: _Worth,
+    rng: np.random.Generator,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the best place near each of `places` (k, 3) [m], and its worth.
+
+    Frontier points are so far apart that the best place, such as one on the axis of a beam, is between them.
+    """
+    spread, each = TRY_SHARE * config.range_m, np.arange(len(places))
+    for _ in range(ROUNDS):
+        tries = places[:, None] + spread * rng.normal(size=(len(places), TRIES, 3))
+        lengths = np.linalg.norm(tries, axis=2, keepdims=True)
+        tries *= np.minimum(1.0, config.placement * config.range_m / lengths)
+        flat = tries.reshape(-1, 3)
+        serves = (cdist(flat, site.own) <= config.range_m).any(axis=1)
+        found = np.where(serves, worth(flat), -np.inf).reshape(len(places), TRIES)
+        tries, found = (
+            np.concatenate([places[:, None], tries], axis=1),
+            np.concatenate([values[:, None], found], axis=1),
+        )
+        best = found.argmax(axis=1)
+        places, values = tries[each, best], found[each, best]
+        spread *= 0.5
+    return places, values
+
+
+def _further(places: FloatArray, config: CoverageConfig, site: Site, rng: np.random.Generator) -> FloatArray:
+    """Return how many more robots a greedy filling of the surroundings takes after one at each place, (k,)."""
+    reach = config.placement * config.range_m
+    near = _volume_near(site, config.range_m, REACH)
+    if not len(near):  # a shape too thin for points: nothing tells the places apart
+        return np.zeros(len(places))
+    spots = near[rng.choice(len(near), min(FURTHER_PLACES, len(near)), replace=False)]
+    wanted = np.concatenate([near[cdist(near, site.others).min(axis=1) > config.range_m], site.around])
+    covers = cdist(spots, wanted) <= config.range_m
+    gains = covers.astype(np.float32)
+    linked = cdist(spots, spots) <= reach
+    left = (cdist(wanted, places) > config.range_m).astype(np.float32)
+    in_reach = cdist(spots, np.concatenate([site.others, places])) <= reach
+    can = in_reach[:, : len(site.others)].any(axis=1)[:, None] | in_reach[:, len(site.others) :]
+    further, busy = np.zeros(len(places)), np.arange(len(places))
+    while len(busy):
+        gained = np.where(can[:, busy], gains @ left[:, busy], 0.0)
+        best = gained.argmax(axis=0)
+        goes_on = gained[best, np.arange(len(busy))] > 0.0
+        busy, best = busy[goes_on], best[goes_on]
+        further[busy] += 1.0
+        left[:, busy] *= ~covers[best].T
+        can[:, busy] |= linked[best].T
+    return further
+
+
+def _volume_near(site: Site, radius: float, reach: float) -> FloatArray:
+    """Return the points that stand for the volume within some ranges of the robot, relative to it, (n, 3) [m]."""
+    points, tree = _volume_points(site.solid, radius)
+    near: FloatArray = points[np.sort(tree.query_ball_point(site.position, reach * radius))] - site.position
+    return near
+
+
+@lru_cache(maxsize=16)
+def _volume_points(solid: Solid, radius: float) -> tuple[FloatArray, cKDTree]:
+    """Return points that stand for the volume of a shape, (n, 3) [m]; all robots come to the same."""
+    rng = rng_for(0, "coverage", "volume points")
+    balls = volume(solid, TRIALS, rng)[0] / (4.0 / 3.0 * float(np.pi) * radius**3)
+    points = interior_points(solid, int(np.clip(DENSITY * balls, POINTS_MIN, POINTS_MAX)), rng)
+    points.flags.writeable = False
+    return points, cKDTree(points)
