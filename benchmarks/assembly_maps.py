@@ -1,6 +1,7 @@
 """Steps, success and planning time of assemblies on the four maps of the paper, or on generated structures.
 
 PYTHONPATH=scripts python benchmarks/assembly_maps.py [--mode timed|tabu] [--seeds N] [--maps 1 2 3 4] [--cells M]
+[--outlines block ring cross] [--docks genderless gendered] [--first-seed S]
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ import numpy as np
 
 from mission_computer.assembly.generated import Outline, generate_problem
 from mission_computer.assembly.map_library import load_problem
-from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_timed_paths
+from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_guideposts, plan_with_timed_paths
 from mission_computer.assembly.structure import Structure
 from mission_computer.assembly.tabu_search import TabuLimits
 from mission_computer.assembly.travel import distance_only_dispatch
-from studies.assembly_runs import assemble_decentralized, plan_with_guideposts
+from studies.assembly_runs import assemble_decentralized
 from swarm_msgs_py.assembly.docking import docked_groups
 from swarm_msgs_py.assembly.faces import Gender
 from swarm_msgs_py.assembly.plan import AssemblyPlan
@@ -39,32 +40,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=20, help="runs per row (default: %(default)s)")
     parser.add_argument("--maps", type=int, nargs="+", default=[1, 2, 3, 4], help="default: all four")
     parser.add_argument("--cells", type=int, help="generated structures of that many cells instead of maps")
+    parser.add_argument("--outlines", nargs="+", default=[one.value for one in Outline], help="default: all")
+    parser.add_argument("--docks", nargs="+", default=[one.value for one in Gender], help="default: both")
+    parser.add_argument("--first-seed", type=int, default=0, help="to go on with (default: %(default)s)")
     options = parser.parse_args(arguments)
+    seeds = range(options.first_seed, options.first_seed + options.seeds)
+    genders = [Gender(docks) for docks in options.docks]
+    outlines = [Outline(outline) for outline in options.outlines]
     print("| structure | docks | success | steps mean (max) | longest travel | found", end=" ")
     print("| planning [s] mean (max) | control |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    rows = _generated(options.cells, options.seeds) if options.cells else _maps(options.maps, options.seeds)
+    rows = _generated(outlines, options.cells, genders, seeds) if options.cells else _maps(options.maps, genders, seeds)
     results = [_row(name, gender, problems, PLANNERS[options.mode]) for name, gender, problems in rows]
     return 0 if all(results) else 1
 
 
-def _maps(numbers: Sequence[int], seeds: int) -> Iterator[tuple[str, Gender, list[AssemblyProblem]]]:
+Row = tuple[str, Gender, dict[int, AssemblyProblem]]
+"""Structure, docks, and a problem per seed."""
+
+
+def _maps(numbers: Sequence[int], genders: Sequence[Gender], seeds: Sequence[int]) -> Iterator[Row]:
     for number in numbers:
-        for gender in Gender:
-            yield f"map_{number}", gender, [load_problem(f"map_{number}", gender)] * seeds
+        for gender in genders:
+            yield f"map_{number}", gender, dict.fromkeys(seeds, load_problem(f"map_{number}", gender))
 
 
-def _generated(cells: int, seeds: int) -> Iterator[tuple[str, Gender, list[AssemblyProblem]]]:
-    for outline in Outline:
-        for gender in Gender:
-            problems = [generate_problem(outline, cells, gender, seed) for seed in range(seeds)]
+def _generated(
+    outlines: Sequence[Outline], cells: int, genders: Sequence[Gender], seeds: Sequence[int]
+) -> Iterator[Row]:
+    for outline in outlines:
+        for gender in genders:
+            problems = {seed: generate_problem(outline, cells, gender, seed) for seed in seeds}
             yield f"{outline.value}-{cells}", gender, problems
 
 
-def _row(name: str, gender: Gender, problems: list[AssemblyProblem], planner: Planner) -> bool:
+def _row(name: str, gender: Gender, problems: dict[int, AssemblyProblem], planner: Planner) -> bool:
     """Print one row; return whether every assembly was legal and complete."""
     steps, travels, found, seconds = [], [], [], []
-    for seed, problem in enumerate(problems):
+    for seed, problem in problems.items():
         before = thread_time()
         try:
             plan = planner(problem, seed)
@@ -85,7 +98,7 @@ def _row(name: str, gender: Gender, problems: list[AssemblyProblem], planner: Pl
     print(
         f"| {name} | {gender.value} | {len(steps)} of {len(problems)} | {_mean(steps):.2f} ({max(steps, default=0)})"
         f" | {_mean(travels):.1f} | {_mean(found):.0f} | {_mean(seconds):.2f} ({max(seconds, default=0.0):.2f})"
-        f" | {_control(problems[0])} pieces |",
+        f" | {_control(next(iter(problems.values())))} pieces |",
         flush=True,
     )
     return len(steps) == len(problems)

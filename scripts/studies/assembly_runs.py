@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mission_computer.assembly.extension import extend
 from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_timed_paths
-from mission_computer.assembly.structure import Structure
-from mission_computer.assembly.tabu_search import TabuLimits, tabu_dispatch
 from swarm_agent.assembly.boat import Boat, BoatInputs
 from swarm_agent.assembly.crew import Orders
 from swarm_agent.assembly.pilot import PilotConfig
@@ -35,20 +32,6 @@ class Outcome:
 
     plan: AssemblyPlan
     audit: AssemblyAudit
-
-
-def plan_with_guideposts(problem: AssemblyProblem, seed: int, limits: TabuLimits) -> AssemblyPlan:
-    """Return the plan of the published method: tabu search, tree, extension.
-
-    Raises
-    ------
-    NoDispatchError
-        If the search finds none.
-    AssemblyError
-        If the extension does not fit the grid.
-    """
-    found = tabu_dispatch(problem, Structure(problem.targets), rng_for(seed, "tabu"), limits)
-    return AssemblyPlan(found.dispatch, found.tree, extend(problem, found.tree), None, found.feasible)
 
 
 def assemble_timed(problem: AssemblyProblem, seed: int, limits: TimedPlannerLimits) -> Outcome:

@@ -10,7 +10,7 @@ import numpy as np
 from mission_computer.assembly.desk import AssemblyDesk, DeskConfig
 from mission_computer.assembly.foreman import ForemanReport, ForemanState
 from swarm_agent.assembly.agent import AssemblyAgent
-from swarm_agent.assembly.skipper import SkipperConfig
+from swarm_agent.assembly.steering import SkipperConfig
 from swarm_msgs_py.assembly.faces import QUARTER_TURNS, Face, turned
 from swarm_msgs_py.assembly.plan import AssemblyPlan, Dispatch
 from swarm_msgs_py.assembly.problem import AssemblyProblem
@@ -84,13 +84,13 @@ def start_poses(problem: AssemblyProblem) -> FloatArray:
 def assemble_in_pool(
     problem: AssemblyProblem, plan: AssemblyPlan, seed: int, kind: BodyKind, faults: Faults | None = None
 ) -> PoolOutcome:
-    """Return an assembly by boats that follow a timed plan.
+    """Return an assembly by boats that follow a timed plan, or find their ways by themselves.
 
     Parameters
     ----------
     problem : AssemblyProblem
     plan : AssemblyPlan
-        With timed paths.
+        With timed paths or guideposts.
     seed : int
         Of wind, waves, noise and radio.
     kind : BodyKind
@@ -101,7 +101,7 @@ def assemble_in_pool(
     world = _world(config, problem, seed, faults)
     agents = {robot: AssemblyAgent(robot, SkipperConfig(), config.period_s) for robot in world.robots}
     desk = AssemblyDesk(DeskConfig(), problem, plan, seed, config.period_s)
-    steps = plan.paths.steps if plan.paths else 0
+    steps = plan.paths.steps if plan.paths else 2 * plan.dispatch.longest_travel(problem)
     limit_s = TIME_FACTOR * steps * CELL_M / SkipperConfig().cruise_mps + TIME_EXTRA_S
     truths: list[PoolTruth] = []
     try:

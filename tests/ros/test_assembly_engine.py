@@ -16,21 +16,22 @@ from swarm_msgs_py.assembly.faces import Face
 from swarm_msgs_py.ros.assembly_dialect import ASSEMBLY
 from swarm_msgs_py.types import NodeId
 
-TICKS = 30
-
 pytestmark = pytest.mark.usefixtures("domain_id")
 
 
 @pytest.mark.usefixtures("nothing_left")
-def test_both_engines_move_boats_alike() -> None:
-    scenario, origin = load_any("assembly-square", (parse_assignment("sim.bodies=planar", AssemblyScenario),))
+@pytest.mark.parametrize(("navigation", "tick_count"), [("timed", 30), ("decentralized", 90)])
+def test_both_engines_move_boats_alike(navigation: str, tick_count: int) -> None:
+    settings = ("sim.bodies=planar", f"navigation={navigation}")
+    assignments = tuple(parse_assignment(text, AssemblyScenario) for text in settings)
+    scenario, origin = load_any("assembly-square", assignments)
     behavior = BEHAVIORS[Family.ASSEMBLY]
     resolved = behavior.resolve(scenario, origin)
     tracks = []
     for engine in (InProcessEngine(behavior.actors(resolved)), RosEngine(behavior.actors(resolved))):
         with engine:
             ticks = engine.ticks()
-            tracks.append(np.array([next(ticks).truth.ends for _ in range(TICKS)]))
+            tracks.append(np.array([next(ticks).truth.ends for _ in range(tick_count)]))
 
     assert tracks[0].tobytes() == tracks[1].tobytes()
     assert np.ptp(tracks[0], axis=0).max() > 0.5
@@ -44,6 +45,7 @@ def test_what_a_boat_senses_survives_the_message_exactly() -> None:
         reference=np.array([0.25, -0.5, np.pi]),
         contacts=frozenset({Face.UP, Face.RIGHT}),
         inbox=(),
+        seen=np.array([[0.5, -1.0 / 3.0], [0.75, 0.0]]),
     )
     (sense,) = ASSEMBLY.senses
 
@@ -52,4 +54,5 @@ def test_what_a_boat_senses_survives_the_message_exactly() -> None:
 
     assert (joined.tick, joined.contacts) == (7, inputs.contacts)
     assert np.array_equal(joined.pose, inputs.pose)
+    assert np.array_equal(joined.seen, inputs.seen)
     assert np.array_equal(joined.reference, inputs.reference)

@@ -4,10 +4,10 @@ import pytest
 
 from mission_computer.assembly.generated import Outline, generate_problem
 from mission_computer.assembly.map_library import load_problem
-from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_timed_paths
+from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_guideposts, plan_with_timed_paths
 from mission_computer.assembly.tabu_search import TabuLimits
 from mission_computer.assembly.timed_plan import TimedLimits
-from studies.assembly_runs import assemble_decentralized, assemble_timed, plan_with_guideposts
+from studies.assembly_runs import assemble_decentralized, assemble_timed
 from swarm_msgs_py.assembly.faces import Gender
 
 BRIEF = TimedPlannerLimits(dispatches=1, timed=TimedLimits(attempts=2))

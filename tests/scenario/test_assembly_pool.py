@@ -6,7 +6,8 @@ import pytest
 
 from mission_computer.assembly.foreman import ForemanState
 from mission_computer.assembly.map_library import load_problem
-from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_timed_paths
+from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_guideposts, plan_with_timed_paths
+from mission_computer.assembly.tabu_search import TabuLimits
 from mission_computer.assembly.timed_plan import TimedLimits
 from studies.pool_assembly import Faults, PoolOutcome, assemble_in_pool, is_built, with_random_turns
 from swarm_msgs_py.assembly.faces import Face, Gender
@@ -34,6 +35,29 @@ def test_four_boats_build_a_square_by_contact(kind: BodyKind) -> None:
 
     assert is_built(outcome), outcome.audit
     assert outcome.audit.docked_contacts == outcome.audit.wanted_contacts
+
+
+@pytest.mark.parametrize("frame_loss", [0.0, 0.2])
+def test_boats_that_find_their_ways_by_themselves_dock_by_contact(frame_loss: float) -> None:
+    problem = load_problem("boats_5_square", Gender.OPPOSITE)
+    plan = plan_with_guideposts(problem, 1, TabuLimits())
+
+    outcome = assemble_in_pool(problem, plan, 1, BodyKind.PLANAR, Faults(frame_loss=frame_loss))
+
+    assert is_built(outcome), outcome.audit
+    assert outcome.report.epoch == 1
+
+
+def test_when_a_boat_that_finds_its_way_dies_the_rest_is_planned_for_all() -> None:
+    problem = load_problem("boats_5_square", Gender.GENDERLESS)
+    problem = replace(problem, starts=(*problem.starts, (8, 2)), layouts=(*problem.layouts, (1, 1, 1, 1)))
+    plan = plan_with_guideposts(problem, 1, TabuLimits())
+    dead = plan.dispatch.boats[0]
+
+    outcome = assemble_in_pool(problem, plan, 1, BodyKind.PLANAR, Faults(deaths={dead: 12.0}))
+
+    assert is_built(outcome), outcome.audit
+    assert outcome.report.epoch == 2
 
 
 def test_lost_frames_cost_time_and_nothing_else() -> None:

@@ -173,7 +173,7 @@ class AssemblyAccount:
     def _common(self, engine: str, verdict: Verdict, timing: Timing) -> dict[str, Any]:
         """Return what all families tell."""
         return run_numbers(self._scenario, self._truths, engine, verdict, timing) | {
-            "method": "timed",
+            "method": self._scenario.navigation.value,
             "physics": self._scenario.sim.bodies.value,
             "settling_time_s": self._built_at,
             "collisions": len(self._truths[-1].overlaps) if self._truths else 0,

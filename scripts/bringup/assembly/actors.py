@@ -11,7 +11,7 @@ from bringup.assembly.scenario import FACES, AssemblyScenario
 from bringup.scenario import tick_from
 from mission_computer.assembly.desk import AssemblyDesk, DeskConfig
 from swarm_agent.assembly.agent import AssemblyAgent
-from swarm_agent.assembly.skipper import SkipperConfig
+from swarm_agent.assembly.steering import SkipperConfig
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.types import FloatArray, NodeId
 from swarm_sim.boats.config import CELL_M

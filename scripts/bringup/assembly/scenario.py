@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from bringup.family import Family
 from bringup.scenario import Stoppable, check_name
 from mission_computer.assembly.desk import DeskConfig
-from swarm_agent.assembly.skipper import SkipperConfig
+from swarm_agent.assembly.steering import SkipperConfig
 from swarm_msgs_py.assembly.faces import Face, Gender
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
@@ -31,6 +32,15 @@ class MapSpec(Config):
         Config.__post_init__(self)
         if (self.name is None) == (self.file is None):
             raise ConfigError("give either the name of a map or a file")
+
+
+class Navigation(Enum):
+    """Who finds the ways of the boats."""
+
+    TIMED = "timed"
+    """The mission computer, step by step."""
+    DECENTRALIZED = "decentralized"
+    """Every boat by itself, from guidepost to guidepost, after a tabu search (the published method)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +89,9 @@ class AssemblyScenario(Config):
     seed: int = setting(1, "seed of everything that is drawn", minimum=0, maximum=2**32 - 1)
     duration_s: float = setting(600.0, "simulated time after which the mission counts as failed", unit="s", above=0.0)
     map: MapSpec = setting(help="what is to be built")
+    navigation: Navigation = setting(
+        Navigation.TIMED, "timed: the mission computer plans all ways; decentralized: boats find them (paper)"
+    )
     boats: int = setting(0, "number of boats of the map, written down when a run is resolved", minimum=0)
     events: tuple[AssemblyEventSpec, ...] = setting((), "what befalls the boats, e.g. [{at_s: 5.0, kill: [3]}]")
     sim: BoatSimConfig = section(BoatSimConfig, "the world")

@@ -108,7 +108,7 @@ def test_tabu_search_joins_map_1(gender: Gender) -> None:
 
     found = tabu_dispatch(problem, Structure(problem.targets), rng_for(1, "tabu"), TabuLimits())
 
-    assert is_separable(problem, found.dispatch)
+    assert is_separable(problem, found.best.dispatch)
     assert found.feasible >= 1
 
 

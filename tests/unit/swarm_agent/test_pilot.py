@@ -59,6 +59,14 @@ def test_of_two_claims_that_are_too_near_the_lower_rank_stays() -> None:
     assert Pilot(ORDERS, CONFIG).decide(high, sight(low)) is Move.RIGHT
 
 
+def test_a_visitor_comes_near_while_the_parts_of_its_partner_join() -> None:
+    parts = words(0, 3, (-3, 0), Move.RIGHT), words(1, 4, (0, 0))
+
+    claims = [Pilot(ORDERS, CONFIG).claim(2, 1, 2, (x, 0), sight(*parts)) for x in (3, 1)]
+
+    assert [(claim.move, claim.is_docking) for claim in claims] == [(Move.LEFT, False), (Move.STAY, False)]
+
+
 def test_a_claim_that_is_blocked_itself_blocks_nobody() -> None:
     mine = words(2, 2, (-1, -4), Move.LEFT)  # from (13, 8) to (12, 8)
     other = words(0, 3, (-1, -6), Move.UP)  # from (11, 6) to (11, 7), of higher rank and too near to that

@@ -5,7 +5,7 @@ import pytest
 from assembly_problems import ALL_SIDES, problem_of
 
 from swarm_agent.assembly.boat_computer import BoatComputer
-from swarm_agent.assembly.skipper import SkipperConfig, SkipperInputs, SkipperOutputs, grid_faces
+from swarm_agent.assembly.steering import SkipperConfig, SkipperInputs, SkipperOutputs, grid_faces
 from swarm_msgs_py.assembly.faces import Face
 from swarm_msgs_py.assembly.orders import Order, TimedOrders
 from swarm_msgs_py.assembly.plan import AssemblyTree, Axis, Dispatch, TimedPaths, TreeNode

@@ -11,7 +11,8 @@ from mission_computer.assembly.map_library import load_problem
 from mission_computer.assembly.planner import TimedPlannerLimits, plan_with_timed_paths
 from mission_computer.assembly.timed_plan import TimedLimits
 from swarm_msgs_py.assembly.faces import Face, Gender
-from swarm_msgs_py.assembly.orders import Order, TimedOrders, decode_order, encode_order
+from swarm_msgs_py.assembly.orders import GuidedOrders, Order, TimedOrders, decode_order, encode_order
+from swarm_msgs_py.assembly.plan import Guideposts
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame, decode_progress_frame, encode_progress_frame
 from swarm_msgs_py.errors import FrameError
 
@@ -30,11 +31,23 @@ def test_a_plan_arrives_as_it_was_sent(gender: Gender) -> None:
 
     got = decode_order(encode_order(Order(7, sent))).plan
 
-    assert got is not None
+    assert isinstance(got, TimedOrders)
     assert (got.dispatch, got.tree, got.epoch) == (sent.dispatch, sent.tree, 7)
     assert np.array_equal(got.paths.cells, sent.paths.cells)
     assert (got.problem.targets, got.problem.starts) == (sent.problem.targets, sent.problem.starts)
     assert (got.problem.layouts, got.problem.gender) == (sent.problem.layouts, gender)
+
+
+def test_guideposts_arrive_as_they_were_sent() -> None:
+    timed = orders()
+    posts = Guideposts(tuple((node - 3, -node) for node in range(len(timed.tree.nodes))))
+    sent = GuidedOrders(timed.problem, timed.dispatch, timed.tree, posts, 2)
+
+    got = decode_order(encode_order(Order(2, sent))).plan
+
+    assert isinstance(got, GuidedOrders)
+    assert (got.guideposts, got.dispatch, got.tree, got.epoch) == (posts, sent.dispatch, sent.tree, 2)
+    assert got.problem.starts == sent.problem.starts
 
 
 def test_a_stop_is_four_bytes() -> None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from mission_computer.assembly.foreman import Foreman, ForemanReport, ForemanState
 from mission_computer.assembly.timed_plan import TimedLimits
-from swarm_msgs_py.assembly.orders import Order, TimedOrders, encode_order
+from swarm_msgs_py.assembly.boat_frames import BoatFrame, decode_boat_frame, is_boat_frame
+from swarm_msgs_py.assembly.orders import GuidedOrders, Order, PlanOrders, TimedOrders, encode_order
 from swarm_msgs_py.assembly.plan import AssemblyPlan
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame, decode_progress_frame, is_progress_frame
@@ -41,7 +42,7 @@ class AssemblyDesk:
     config : DeskConfig
     problem : AssemblyProblem
     plan : AssemblyPlan
-        The first one, with timed paths.
+        The first one, with timed paths or guideposts.
     seed : int
         Of further plans.
     period_s : float
@@ -74,7 +75,7 @@ class AssemblyDesk:
         """Advance by one tick."""
         words = _words(inputs.inbox)
         self._told |= {word.boat: word.epoch for word in words}
-        report = self.report = self._foreman.step(inputs.tick, words)
+        report = self.report = self._foreman.step(inputs.tick, words, _ways(inputs.inbox))
         outbox = self._outbox(inputs.tick, report)
         self._frames += len(outbox)
         self._bytes += sum(map(len, outbox))
@@ -97,11 +98,8 @@ class AssemblyDesk:
     def _outbox(self, tick: int, report: ForemanReport) -> tuple[bytes, ...]:
         foreman = self._foreman
         if foreman.epoch != self._epoch:
-            if foreman.plan.paths is None:
-                raise AssemblyError(f"{foreman.problem.name}: boats need timed paths")
             plan = foreman.plan
-            orders = TimedOrders(foreman.problem, plan.dispatch, plan.tree, foreman.plan.paths, foreman.epoch)
-            self._order = encode_order(Order(foreman.epoch, orders))
+            self._order = encode_order(Order(foreman.epoch, _orders(foreman.problem, plan, foreman.epoch)))
             self._epoch, self._since = foreman.epoch, tick
             self.plans.append((foreman.problem, plan))
         if report.is_halting:
@@ -109,6 +107,27 @@ class AssemblyDesk:
         everybody = range(foreman.problem.boat_count)
         is_known = all(self._told.get(boat) == self._epoch for boat in everybody)
         return () if is_known or (tick - self._since) % self._config.repeat_ticks else (self._order,)
+
+
+def _orders(problem: AssemblyProblem, plan: AssemblyPlan, epoch: int) -> PlanOrders:
+    """Return a plan as boats get it."""
+    if plan.paths is not None:
+        return TimedOrders(problem, plan.dispatch, plan.tree, plan.paths, epoch)
+    if plan.guideposts is not None:
+        return GuidedOrders(problem, plan.dispatch, plan.tree, plan.guideposts, epoch)
+    raise AssemblyError(f"{problem.name}: boats need timed paths or guideposts")
+
+
+def _ways(inbox: tuple[bytes, ...]) -> list[BoatFrame]:
+    """Return the frames of boats that find their ways by themselves; what is damaged or foreign is ignored."""
+    words = []
+    for data in inbox:
+        if is_boat_frame(data):
+            try:
+                words.append(decode_boat_frame(data))
+            except FrameError:
+                continue
+    return words
 
 
 def _words(inbox: tuple[bytes, ...]) -> list[ProgressFrame]:

@@ -3,6 +3,10 @@
 A boat that falls silent in a docked group is carried along, and nothing has to change. One that falls silent on its own
 is missing in the structure; so is a dock whose magnets fail. Then all boats stop at their next cells, and what they
 report is the start of a new plan.
+
+Boats that find their ways by themselves cannot carry a silent one along, for it may be the one that thinks for its
+group; and nothing proves that they will not dance around each other forever. So the foreman stops them after any death,
+and when nobody has come any farther for long, and the rest is planned here.
 """
 
 from __future__ import annotations
@@ -13,15 +17,19 @@ from enum import Enum
 
 import numpy as np
 
+from mission_computer.assembly.found_ways import FoundWays
 from mission_computer.assembly.redispatch import Midway, plan_rest
 from mission_computer.assembly.timed_plan import TimedLimits
+from swarm_msgs_py.assembly.boat_frames import BoatFrame
 from swarm_msgs_py.assembly.docking import docked_contacts
 from swarm_msgs_py.assembly.faces import Cell, Face, Layout, turned
-from swarm_msgs_py.assembly.plan import AssemblyPlan
+from swarm_msgs_py.assembly.plan import AssemblyPlan, TimedPaths
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame
 from swarm_msgs_py.errors import NoDispatchError
 
+STALL_TICKS = 60
+"""Boats that find their ways by themselves are helped when nobody has moved for so long: three of their steps."""
 REPLANS_MAX = 8
 """After so many losses the foreman is content with what stands."""
 
@@ -67,7 +75,7 @@ class Foreman:
     ----------
     problem : AssemblyProblem
     plan : AssemblyPlan
-        With timed paths.
+        With timed paths or guideposts.
     seed : int
         Of further plans.
     silence_ticks : int
@@ -93,12 +101,14 @@ class Foreman:
         self._silence_ticks = silence_ticks
         self._heard: dict[int, ProgressFrame] = {}  # of the present plan
         self._alive_at: dict[int, int] = {}
+        self._found_ways = FoundWays(problem, plan)
         self._state = ForemanState.WATCHING
         self._settled = 0
         self._notes: list[str] = []
 
-    def step(self, tick: int, frames: Sequence[ProgressFrame]) -> ForemanReport:
+    def step(self, tick: int, frames: Sequence[ProgressFrame], words: Sequence[BoatFrame] = ()) -> ForemanReport:
         """Listen for one tick, and decide."""
+        self._found_ways.hear(tick, words)
         for frame in frames:
             self._alive_at[frame.boat] = tick
             if frame.epoch == self.epoch:
@@ -113,7 +123,8 @@ class Foreman:
 
     def _watch(self, tick: int) -> None:
         boats = self.plan.dispatch.boats
-        docked = {boat for group in self._groups() for boat in group}
+        is_timed = self.plan.paths is not None
+        docked = {boat for group in self._groups() for boat in group} if is_timed else set()
         lost = [boat for boat in boats if self._is_silent(boat, tick) and boat not in docked]
         stuck = [boat for boat in boats if boat in self._heard and self._heard[boat].is_stuck]
         if lost or stuck:
@@ -122,6 +133,10 @@ class Foreman:
             self._settled = 0
         elif self._is_complete():
             self._state = ForemanState.DONE
+        elif not is_timed and self._found_ways.are_stalled(tick, STALL_TICKS):
+            self._notes.append("boats found no way by themselves")
+            self._state = ForemanState.STOPPING
+            self._settled = 0
 
     def _is_silent(self, boat: int, tick: int) -> bool:
         return tick - self._alive_at.get(boat, 0) > self._silence_ticks
@@ -134,7 +149,9 @@ class Foreman:
         return self.problem.target_count
 
     def _arrived(self) -> bool:
-        steps = self.plan.paths.steps if self.plan.paths else 0
+        if self.plan.paths is None:
+            return True  # a group that holds together is all there is to reach
+        steps = self.plan.paths.steps
         return any(frame.steps_done == steps for frame in self._heard.values())
 
     def _have_stopped(self, tick: int) -> bool:
@@ -191,9 +208,27 @@ class Foreman:
     def _midway(self, tick: int) -> Midway:
         """Return the assembly as it stopped, from what boats told."""
         problem, dispatch, paths = self.problem, self.plan.dispatch, self.plan.paths
-        cells = paths.cells if paths else np.array([problem.starts])
         groups = self._groups()
         dead = {boat for boat in range(problem.boat_count) if self._is_silent(boat, tick)}
+        if paths is None:
+            starts = self._found_ways.cells
+            between = {self._found_ways.next_of(boat) for boat in dead}
+        else:
+            starts, between = self._by_steps(paths, groups, dead)
+        stopped = replace(
+            problem,
+            starts=tuple(starts),
+            layouts=self._working_layouts(groups),
+            obstacles=tuple(sorted({*problem.obstacles, *(between - set(starts))})),
+            is_midway=True,
+        )
+        return Midway(stopped, dispatch, tuple(groups), frozenset(dead))
+
+    def _by_steps(
+        self, paths: TimedPaths, groups: Sequence[tuple[int, ...]], dead: set[int]
+    ) -> tuple[list[Cell], set[Cell]]:
+        """Return where boats stopped that follow paths, and the cells that dead ones may be halfway to."""
+        problem, dispatch, cells = self.problem, self.plan.dispatch, paths.cells
         steps = {boat: self._heard[boat].steps_done if boat in self._heard else 0 for boat in dispatch.boats}
         for group in groups:  # who is carried is where its group is
             reached = max(steps[boat] for boat in group if boat not in dead) if set(group) - dead else 0
@@ -204,14 +239,7 @@ class Foreman:
         docked = {boat for group in groups for boat in group}
         # A boat that died on its way is somewhere between the cell that it told and the next.
         between = {_cell(cells[min(steps[boat] + 1, len(cells) - 1), boat]) for boat in dead - docked if boat in steps}
-        stopped = replace(
-            problem,
-            starts=tuple(starts),
-            layouts=self._working_layouts(groups),
-            obstacles=tuple(sorted({*problem.obstacles, *between})),
-            is_midway=True,
-        )
-        return Midway(stopped, dispatch, tuple(groups), frozenset(dead))
+        return starts, between
 
     def _working_layouts(self, groups: Sequence[tuple[int, ...]]) -> tuple[Layout, ...]:
         """Return how boats are turned now, without the mechanisms that met and do not hold."""
@@ -230,10 +258,13 @@ class Foreman:
         return tuple((up, down, left, right) for up, down, left, right in layouts)
 
     def _are_neighbors(self, one: int, other: int, face: Face) -> bool:
-        if self.plan.paths is None or one not in self._heard or other not in self._heard:
+        if one not in self._heard or other not in self._heard:
             return False
-        cells = self.plan.paths.cells
-        (x, y), (u, v) = (_cell(cells[self._heard[boat].steps_done, boat]) for boat in (one, other))
+        if self.plan.paths is None:
+            (x, y), (u, v) = (self._found_ways.cells[boat] for boat in (one, other))
+        else:
+            cells = self.plan.paths.cells
+            (x, y), (u, v) = (_cell(cells[self._heard[boat].steps_done, boat]) for boat in (one, other))
         return (u - x, v - y) == face.offset
 
     def _report(self) -> ForemanReport:

@@ -8,11 +8,13 @@ from itertools import islice
 from mission_computer.assembly.cut_tree import CutForest
 from mission_computer.assembly.dispatching import EXACT_TARGETS_MAX, DispatchLimits, dispatches
 from mission_computer.assembly.structure import Structure
+from mission_computer.assembly.tabu_search import TabuLimits, tabu_dispatch
 from mission_computer.assembly.timed_plan import TimedLimits, plan_timed_paths
 from swarm_msgs_py.assembly.docking import docked_contacts
 from swarm_msgs_py.assembly.plan import AssemblyPlan, Dispatch
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.errors import NoDispatchError
+from swarm_msgs_py.randomness import rng_for
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +63,20 @@ def plan_with_timed_paths(problem: AssemblyProblem, seed: int, limits: TimedPlan
             f"{problem.name}: found no way to move the boats; give the structure more room in the grid"
         )
     return best
+
+
+def plan_with_guideposts(problem: AssemblyProblem, seed: int, limits: TabuLimits) -> AssemblyPlan:
+    """Return the plan of the published method, stages I to III: boats find their ways by themselves.
+
+    Raises
+    ------
+    NoDispatchError
+        If the search finds no dispatch that can be put together.
+    AssemblyError
+        If the extension does not fit the grid.
+    """
+    found = tabu_dispatch(problem, Structure(problem.targets), rng_for(seed, "tabu"), limits)
+    return AssemblyPlan(found.best.dispatch, found.best.tree, found.best.guideposts, None, found.feasible)
 
 
 def forest_of(problem: AssemblyProblem, structure: Structure, dispatch: Dispatch) -> CutForest:

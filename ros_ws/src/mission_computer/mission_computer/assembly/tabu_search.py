@@ -16,12 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mission_computer.assembly.cut_tree import CutForest
+from mission_computer.assembly.constraint_model import turns_to
+from mission_computer.assembly.selection import Candidate, select
 from mission_computer.assembly.structure import Structure
-from mission_computer.assembly.travel import usable_boats
-from swarm_msgs_py.assembly.docking import Contact, docked_contacts
+from mission_computer.assembly.travel import travel_matrix, usable_boats
+from swarm_msgs_py.assembly.docking import Contact
 from swarm_msgs_py.assembly.faces import Layout, distinct_turns, turned
-from swarm_msgs_py.assembly.plan import AssemblyTree, Dispatch
+from swarm_msgs_py.assembly.plan import Dispatch
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.errors import NoDispatchError
 
@@ -42,6 +43,8 @@ class TabuLimits:
         For how many iterations a move is tabu, as a share of the number of moves.
     moves_max : int
         Moves that are looked at per iteration, drawn anew each time; more moves than that are not worth their time.
+    candidates_max : int
+        The search ends with so many candidates: on large maps with many mechanisms nearly every iteration finds one.
     """
 
     patience: float = 3.0
@@ -49,6 +52,7 @@ class TabuLimits:
     iterations_max: int = 10_000
     tenure_share: float = 0.5
     moves_max: int = 64
+    candidates_max: int = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,17 +61,14 @@ class TabuResult:
 
     Attributes
     ----------
-    dispatch : Dispatch
-        The best of the candidates.
-    tree : AssemblyTree
-        Of that dispatch.
+    best : Candidate
+        The dispatch that was selected.
     feasible : int
         Different dispatches found that join the structure.
     iterations : int
     """
 
-    dispatch: Dispatch
-    tree: AssemblyTree
+    best: Candidate
     feasible: int
     iterations: int
 
@@ -100,6 +101,8 @@ class TabuSearch:
         for boat in self._boats:
             self._turns[boat] = options[boat][int(rng.integers(len(options[boat])))]
         count = problem.target_count
+        idle = len(self._boats) - count
+        self._travels: list[list[int]] = [[*row, *[0] * idle] for row in travel_matrix(problem).tolist()]
         self._moves: list[Move] = [(a, b, 0) for a in range(count) for b in range(a + 1, len(self._boats))]
         self._moves += [(a, -1, turns) for a in range(count) for turns in (1, 2, 3)]
         self._turned: list[list[Layout]] = [[turned(layout, t) for t in range(4)] for layout in problem.layouts]
@@ -127,7 +130,7 @@ class TabuSearch:
                     last_find = iteration
             # eq. (28): the efforts of all finds so far add up to the iteration of the last one
             budget = limits.patience * (last_find + limits.first_iterations) / (len(found) + 1)
-            if found and iteration - last_find > budget:
+            if found and (iteration - last_find > budget or len(found) >= limits.candidates_max):
                 return found, iteration
             move = self._best_move(tabu)
             self._make(move)
@@ -137,20 +140,28 @@ class TabuSearch:
         return found, limits.iterations_max
 
     def _best_move(self, tabu: deque[Move]) -> Move:
-        """Return the move of least cost among those drawn, one of several at random."""
+        """Return the move of least cost among those drawn; of several the one of shortest travel, then at random."""
         order: list[int] = self._rng.permutation(len(self._moves))[: self._limits.moves_max].tolist()
-        best, least = None, 0
+        best, least = None, (0, 0)
         forbidden = set(tabu)
         for number in order:
             move = self._moves[number]
             if move in forbidden or self._is_idle_move(move):
                 continue
             links = self._links_after(move)
-            pieces = self._pieces if links is None else self._count(links)
-            if best is None or pieces < least:
-                best, least = move, pieces
+            cost = self._pieces if links is None else self._count(links), self._detour(move)
+            if best is None or cost < least:
+                best, least = move, cost
         fallback: Move = self._moves[order[0]]
         return best if best is not None else fallback
+
+    def _detour(self, move: Move) -> int:
+        """Return by how much a move lengthens the total travel [cells]."""
+        berth, other, _ = move
+        if other < 0:
+            return 0
+        one, two = self._travels[self._boats[berth]], self._travels[self._boats[other]]
+        return one[other] + two[berth] - one[berth] - two[other]
 
     def _is_idle_move(self, move: Move) -> bool:
         """Return whether a turn leaves its boat's layout as it is."""
@@ -224,28 +235,22 @@ class TabuSearch:
 
     def _dispatch(self) -> Dispatch:
         boats = tuple(self._boats[: self._problem.target_count])
-        turns = tuple(distinct_turn(self._problem.layouts[boat], self._turns[boat]) for boat in boats)
+        layouts = self._problem.layouts
+        turns = tuple(turns_to(layouts[boat], self._turned[boat][self._turns[boat]]) for boat in boats)
         return Dispatch(boats, turns)
-
-
-def distinct_turn(layout: Layout, quarter_turns: int) -> int:
-    """Return the least quarter turns with the same effect on a layout."""
-    wanted = turned(layout, quarter_turns)
-    return next(turns for turns in distinct_turns(layout) if turned(layout, turns) == wanted)
 
 
 def tabu_dispatch(
     problem: AssemblyProblem, structure: Structure, rng: np.random.Generator, limits: TabuLimits
 ) -> TabuResult:
-    """Return the dispatch that the published method selects.
-
-    Of all candidates that a tree of straight cuts can take apart: the one of least total travel; then of least depth of
-    the tree; then of most docked contacts; then the first found.
+    """Return the dispatch that the published method selects, with its tree and guideposts.
 
     Raises
     ------
     NoDispatchError
         If no candidate was found, with the least number of pieces; or none of them can be taken apart.
+    AssemblyError
+        If no extension fits the grid.
     """
     search = TabuSearch(problem, structure, rng, limits)
     found, iterations = search.run()
@@ -254,20 +259,4 @@ def tabu_dispatch(
             f"{problem.name}: found no dispatch that joins all {problem.target_count} targets in {iterations}"
             f" iterations; the best leaves {search.least_pieces} pieces"
         )
-    # Travel ranks first, so only the candidates up to the first that can be taken apart need a tree.
-    best: tuple[tuple[int, int, int], Dispatch, AssemblyTree] | None = None
-    for travel, dispatch in sorted(((one.total_travel(problem), one) for one in found), key=lambda ranked: ranked[0]):
-        if best is not None and travel > best[0][0]:
-            break
-        docked = docked_contacts(problem.targets, dispatch.layouts(problem), problem.gender)
-        tree = CutForest(structure, docked).tree()
-        if tree is not None:
-            rank = (travel, tree.depth, -len(docked))
-            if best is None or rank < best[0]:
-                best = rank, dispatch, tree
-    if best is None:
-        raise NoDispatchError(
-            f"{problem.name}: none of {len(found)} dispatches that join the structure can be put together along"
-            " straight lines"
-        )
-    return TabuResult(best[1], best[2], len(found), iterations)
+    return TabuResult(select(problem, structure, found), len(found), iterations)

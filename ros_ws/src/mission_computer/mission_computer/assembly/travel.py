@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -29,7 +29,11 @@ def usable_boats(problem: AssemblyProblem) -> tuple[int, ...]:
 
 def least_longest_travel(problem: AssemblyProblem, boats: Sequence[int] | None = None) -> int:
     """Return the least longest travel of any assignment, docks ignored: a lower bound of all dispatches."""
-    distances = travel_matrix(problem)[list(usable_boats(problem) if boats is None else boats)]
+    return _least_longest(travel_matrix(problem)[list(usable_boats(problem) if boats is None else boats)])
+
+
+def _least_longest(distances: IntArray) -> int:
+    """Return the least longest distance of any assignment of rows to all columns."""
     levels = np.unique(distances)
     low, high = 0, len(levels) - 1
     while low < high:
@@ -51,6 +55,39 @@ def shortest_assignment(distances: IntArray) -> list[int]:
     chosen = [-1] * distances.shape[1]
     for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
         chosen[column] = row
+    return chosen
+
+
+def exchanged_within_classes(
+    costs: IntArray, classes: Iterable[Sequence[int]], boats: Sequence[int], *, is_strict: bool
+) -> list[int]:
+    """Return the boat of each target after exchanges within classes: few long ways, then a small total.
+
+    Parameters
+    ----------
+    costs : (n, m) int array
+        Of each boat and target.
+    classes : iterable of sequence of int
+        Boats that may stand in for each other.
+    boats : sequence of int
+        Boat of each target, before.
+    is_strict : bool
+        Make the longest way as short as it can be, exactly; otherwise the sum of squares is least.
+    """
+    chosen = list(boats)
+    tasks = []
+    for members in classes:
+        known = set(members)
+        targets = [target for target, boat in enumerate(boats) if boat in known]
+        if targets:
+            tasks.append((members, targets, costs[np.ix_(members, targets)]))
+    bound = max(_least_longest(part) for _, _, part in tasks) if is_strict else int(costs.max())
+    out_of_question = costs.shape[1] * int(costs.max()) ** 2 + 1
+    for members, targets, part in tasks:
+        weights = np.where(part <= bound, part**2, out_of_question)
+        rows, columns = linear_sum_assignment(weights)
+        for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
+            chosen[targets[column]] = members[row]
     return chosen
 
 

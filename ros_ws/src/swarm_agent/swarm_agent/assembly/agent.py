@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from swarm_agent.assembly.boat_computer import BoatComputer
-from swarm_agent.assembly.skipper import SkipperConfig, SkipperInputs, SkipperOutputs
+from swarm_agent.assembly.steering import SkipperConfig, SkipperInputs, SkipperOutputs
+from swarm_msgs_py.assembly.boat_frames import BoatFrame, decode_boat_frame, encode_boat_frame, is_boat_frame
 from swarm_msgs_py.assembly.boat_io import AssemblyInputs, AssemblyOutputs, AssemblyReport, BoatMode
 from swarm_msgs_py.assembly.orders import Order, decode_order, is_order
 from swarm_msgs_py.assembly.progress_frames import (
@@ -35,17 +36,24 @@ class AssemblyAgent:
     def step(self, inputs: AssemblyInputs) -> AssemblyOutputs:
         """Advance by one tick; frames that are damaged or foreign are ignored."""
         words: list[ProgressFrame] = []
+        ways: list[BoatFrame] = []
         order: Order | None = None
         for data in inputs.inbox:
             try:
                 if is_progress_frame(data):
                     words.append(decode_progress_frame(data))
+                elif is_boat_frame(data):
+                    ways.append(decode_boat_frame(data))
                 elif is_order(data):
                     order = decode_order(data)
             except FrameError:
                 continue
-        seen = SkipperInputs(inputs.tick, inputs.pose, inputs.reference, inputs.contacts, words)
-        said = self._computer.step(seen, order)
+        places = [(x, y) for x, y in inputs.seen.tolist()]
+        known = SkipperInputs(inputs.tick, inputs.pose, inputs.reference, inputs.contacts, words, ways, places)
+        said = self._computer.step(known, order)
+        outbox = [encode_progress_frame(said.frame)]
+        if said.word is not None:
+            outbox.append(encode_boat_frame(said.word))
         report = AssemblyReport(
             mode=_mode(said, self._computer.steps),
             epoch=said.frame.epoch,
@@ -53,8 +61,9 @@ class AssemblyAgent:
             steps=self._computer.steps,
             pose=inputs.pose,
             contacts=inputs.contacts,
+            goal=said.goal,
         )
-        return AssemblyOutputs(inputs.tick, said.velocity, (encode_progress_frame(said.frame),), report)
+        return AssemblyOutputs(inputs.tick, said.velocity, tuple(outbox), report)
 
 
 def _mode(said: SkipperOutputs, steps: int) -> BoatMode:

@@ -1,11 +1,13 @@
-"""The computer of one boat: takes orders from the mission computer, steers with a skipper, and tells how far it is."""
+"""The computer of one boat: takes orders from the mission computer, steers, and tells how far it is."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from swarm_agent.assembly.skipper import Skipper, SkipperConfig, SkipperInputs, SkipperOutputs
-from swarm_msgs_py.assembly.orders import Order
+from swarm_agent.assembly.navigator import Navigator
+from swarm_agent.assembly.skipper import Skipper
+from swarm_agent.assembly.steering import SkipperConfig, SkipperInputs, SkipperOutputs
+from swarm_msgs_py.assembly.orders import Order, PlanOrders, TimedOrders
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame
 
 
@@ -25,7 +27,7 @@ class BoatComputer:
         self._config = config
         self._period_s = period_s
         self._epoch = 0
-        self._skipper: Skipper | None = None
+        self._skipper: Skipper | Navigator | None = None
         self._is_halting = False
 
     @property
@@ -47,7 +49,7 @@ class BoatComputer:
         if self._skipper is not None:
             return self._skipper.step(inputs)
         frame = ProgressFrame(self._boat, self._epoch, 0, is_halted=self._is_halting)
-        return SkipperOutputs(np.zeros(3), frame, is_done=True)
+        return SkipperOutputs(np.zeros(3), frame, is_done=True, goal=inputs.reference[:2])
 
     def _obey(self, order: Order, inputs: SkipperInputs) -> None:
         if order.epoch < self._epoch:
@@ -58,8 +60,11 @@ class BoatComputer:
                 self._skipper.is_halting = True
         elif order.epoch > self._epoch:
             self._epoch, self._is_halting = order.epoch, False
-            has_target = self._boat in order.plan.dispatch.boats
-            heading = float(inputs.reference[2])
-            self._skipper = (
-                Skipper(self._boat, order.plan, self._config, self._period_s, heading) if has_target else None
-            )
+            self._skipper = self._steersman(order.plan, float(inputs.reference[2]))
+
+    def _steersman(self, plan: PlanOrders, heading: float) -> Skipper | Navigator | None:
+        if self._boat not in plan.dispatch.boats:
+            return None
+        if isinstance(plan, TimedOrders):
+            return Skipper(self._boat, plan, self._config, self._period_s, heading)
+        return Navigator(self._boat, plan, self._config, self._period_s, heading)

@@ -115,14 +115,38 @@ class Pilot:
             return False, [post]
         partner = orders.tree.sibling(node)
         words = sight.others.get(orders.leader(partner))
-        if words is None or words.node != partner or words.shift != orders.guideposts.shifts[partner]:
-            return False, [post]
         approach = orders.approach(node)
+        if words is None or words.node != partner or words.shift != orders.guideposts.shifts[partner]:
+            closed = self._room_to_join(partner, sight)
+            if closed is None or shift not in approach:
+                return False, [post]
+            # The partner is about to be whole: wait for it as near as it can be met.
+            near = [at for at in approach[:-1] if closed.isdisjoint(orders.cells(node, at))]
+            return False, near[-1:] or [post]
         if shift in approach[:-1]:
             return True, [approach[approach.index(shift) + 1]]
         closed = too_near(orders.cells(partner, words.shift))
         entries = [at for at in approach[:-1] if not closed.intersection(orders.cells(node, at))]
         return False, entries or [post]
+
+    def _room_to_join(self, node: int, sight: Sight) -> set[Cell] | None:
+        """Return the cells that a node needs whose two parts are about to join, None if they are not."""
+        orders = self._orders
+        children = orders.tree.nodes[node].children
+        needed = orders.cells(node, orders.guideposts.shifts[node])
+        for child in children:
+            words = sight.others.get(orders.leader(child))
+            if words is None or words.node != child:
+                return None
+            if orders.is_visitor(child):
+                approach = orders.approach(child)
+                if words.shift not in approach:
+                    return None
+                for at in approach[approach.index(words.shift) :]:
+                    needed += orders.cells(child, at)
+            elif words.shift != orders.guideposts.shifts[child]:
+                return None
+        return too_near(needed) if children else None
 
     def _plan(self, node: int, shift: Cell, goals: list[Cell], sight: Sight) -> list[Cell] | None:
         """Return a way around what stands, what ranks higher, and what has been in the way for too long.

@@ -8,86 +8,24 @@ order to go.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 
 from swarm_agent.assembly.crew_contacts import CrewContacts
+from swarm_agent.assembly.steering import (
+    SkipperConfig,
+    SkipperInputs,
+    SkipperOutputs,
+    grid_faces,
+    has_arrived,
+    start_heading,
+    steered,
+)
 from swarm_agent.assembly.timed_following import TimedFollower
-from swarm_msgs_py.assembly.faces import Face, turned_face
+from swarm_msgs_py.assembly.faces import Face
 from swarm_msgs_py.assembly.orders import TimedOrders
 from swarm_msgs_py.assembly.precedence import Crew, crews_of
 from swarm_msgs_py.assembly.progress_frames import NO_DEPARTURE, ProgressFrame
-from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.types import FloatArray
-
-QUARTER_RAD = 0.5 * np.pi
-"""A quarter turn [rad]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SkipperConfig(Config):
-    """How boats follow guideposts in continuous space."""
-
-    cell_m: float = setting(0.25, "edge of a grid cell (paper)", unit="m", above=0.0)
-    cruise_mps: float = setting(0.15, "speed from cell to cell", unit="m/s", above=0.0, maximum=1.0)
-    docking_mps: float = setting(0.05, "speed on the last stretch to a partner", unit="m/s", above=0.0, maximum=1.0)
-    docking_stretch_m: float = setting(0.10, "how long that stretch is", unit="m", minimum=0.0)
-    turn_radps: float = setting(0.5, "rate of turning to the orientation of the dispatch", unit="rad/s", above=0.0)
-    arrival_m: float = setting(0.04, "a boat nearer to a cell's center has arrived", unit="m", above=0.0)
-    arrival_deg: float = setting(6.0, "and turned by no more than this", unit="deg", above=0.0)
-    notice_ticks: int = setting(
-        2, "ticks between a group's announcement and its departure, so that members hear it twice", minimum=1
-    )
-    docking_patience_s: float = setting(
-        15.0, "groups that met and do not hold together for so long are stuck", unit="s", minimum=1.0, maximum=600.0
-    )
-    silence_s: float = setting(
-        5.0, "a boat that was not heard for so long is taken for dead", unit="s", minimum=1.0, maximum=600.0
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SkipperInputs:
-    """What a boat learns in one tick.
-
-    Attributes
-    ----------
-    tick : int
-    pose : (3,) array
-        Measured x, y [m] and heading [rad], world frame.
-    reference : (3,) array
-        The pose that its firmware holds now.
-    contacts : frozenset of Face
-        Sides whose foils are pressed, in the boat's own frame.
-    frames : sequence of ProgressFrame
-        Heard since the last tick.
-    """
-
-    tick: int
-    pose: FloatArray
-    reference: FloatArray
-    contacts: frozenset[Face]
-    frames: Sequence[ProgressFrame]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SkipperOutputs:
-    """What a boat does and says.
-
-    Attributes
-    ----------
-    velocity : (3,) array
-        Of the reference, world frame [m/s], [rad/s].
-    frame : ProgressFrame
-    is_done : bool
-        It is at its target, and its group holds together.
-    """
-
-    velocity: FloatArray
-    frame: ProgressFrame
-    is_done: bool
 
 
 class Skipper:
@@ -114,7 +52,7 @@ class Skipper:
         self._holds = CrewContacts(orders.problem, orders.dispatch)
         self._cells = config.cell_m * orders.paths.cells[:, boat]
         turns = orders.dispatch.turns[orders.dispatch.boats.index(boat)]
-        self._heading = QUARTER_RAD * (round(heading / QUARTER_RAD) - turns)
+        self._heading = start_heading(heading, turns)
         self._met_tick: int | None = None
         self.is_halting = False
         self._heard: dict[int, ProgressFrame] = {}  # of the same plan
@@ -142,7 +80,9 @@ class Skipper:
             self._departure = NO_DEPARTURE
         if not self._is_moving(inputs.tick):
             self._consider_departure(inputs)
-        velocity = self._velocity(inputs)
+        target = self._target(inputs.tick)
+        is_docking = self._follower.is_docking and self._is_moving(inputs.tick)
+        velocity = steered(self._config, target, inputs.reference, self._period_s, is_docking=is_docking)
         holds = self._crew_holds(inputs)
         frame = ProgressFrame(
             self._boat,
@@ -153,7 +93,7 @@ class Skipper:
             self.is_halting and self._departure == NO_DEPARTURE and self._has_arrived(inputs),
             self._is_stuck(inputs, holds),
         )
-        return SkipperOutputs(velocity, frame, self._follower.is_done and holds)
+        return SkipperOutputs(velocity, frame, self._follower.is_done and holds, target[:2])
 
     def _is_stuck(self, inputs: SkipperInputs, holds: bool) -> bool:
         """Return whether the group stands where it met its partner for too long, and does not hold together."""
@@ -172,13 +112,7 @@ class Skipper:
         return np.append(self._cells[step], self._heading)
 
     def _has_arrived(self, inputs: SkipperInputs) -> bool:
-        target = self._target(inputs.tick)
-        gap = target - inputs.reference
-        gap[2] = _wrapped(gap[2])
-        off = target - inputs.pose
-        is_near = np.hypot(off[0], off[1]) < self._config.arrival_m
-        is_turned = abs(_wrapped(off[2])) < np.radians(self._config.arrival_deg)
-        return bool(np.abs(gap).max() < 1e-6 and is_near and is_turned)
+        return has_arrived(self._config, self._target(inputs.tick), inputs)
 
     def _consider_departure(self, inputs: SkipperInputs) -> None:
         """Find out, or decide, when the group leaves."""
@@ -229,27 +163,3 @@ class Skipper:
 
     def _is_silent(self, boat: int, tick: int) -> bool:
         return tick - self._alive_at.get(boat, self._began or 0) > self._silence_ticks
-
-    def _velocity(self, inputs: SkipperInputs) -> FloatArray:
-        """Return how the reference is to move in this tick: straight to its cell, slowly where partners meet."""
-        config, period = self._config, self._period_s
-        gap = self._target(inputs.tick) - inputs.reference
-        distance = float(np.hypot(gap[0], gap[1]))
-        reach = config.cruise_mps * period
-        if self._follower.is_docking and self._is_moving(inputs.tick):
-            slow = config.docking_mps * period
-            reach = min(reach, max(slow, distance - config.docking_stretch_m))
-        planar = gap[:2] * min(1.0, reach / distance) if distance > 0.0 else np.zeros(2)
-        turn = _wrapped(gap[2])
-        turn = float(np.clip(turn, -config.turn_radps * period, config.turn_radps * period))
-        return np.array([planar[0], planar[1], turn]) / period
-
-
-def grid_faces(contacts: frozenset[Face], heading: float) -> frozenset[Face]:
-    """Return the sides of its cell to which a boat's own sides look, given its heading [rad]."""
-    clockwise = -round(heading / QUARTER_RAD)
-    return frozenset(turned_face(face, clockwise) for face in contacts)
-
-
-def _wrapped(angle: float) -> float:
-    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -83,6 +83,11 @@ class BoatFrame:
     seen: tuple[Cell, ...] = ()
 
 
+def is_boat_frame(data: bytes) -> bool:
+    """Return whether a frame begins as those of boats that find their ways by themselves."""
+    return data[:1] in {bytes([phase]) for phase in Phase}
+
+
 def encode_boat_frame(frame: BoatFrame) -> bytes:
     """Return a frame as bytes.
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
+
+import numpy as np
 
 from swarm_msgs_py.assembly.faces import Face
 from swarm_msgs_py.types import FloatArray
@@ -35,6 +37,8 @@ class AssemblyInputs:
         Sides whose foils are pressed, in the boat's own frame.
     inbox : tuple of bytes
         Frames heard since the last tick, in order of reception.
+    seen : (k, 2) array
+        Measured places of the other hulls around [m], ascending.
     """
 
     tick: int
@@ -43,6 +47,7 @@ class AssemblyInputs:
     reference: FloatArray
     contacts: frozenset[Face]
     inbox: tuple[bytes, ...]
+    seen: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +66,8 @@ class AssemblyReport:
     pose : (3,) array
         Measured.
     contacts : frozenset of Face
+    goal : (2,) array
+        Where it is driving [m].
     """
 
     mode: BoatMode
@@ -69,6 +76,7 @@ class AssemblyReport:
     steps: int
     pose: FloatArray
     contacts: frozenset[Face]
+    goal: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,11 +1,13 @@
-"""What the mission computer orders the boats, as a radio frame: a plan to follow, or to stop at the next cell.
+"""What the mission computer orders the boats, as a radio frame: a plan, or to stop at the next cell.
+
+Boats follow a plan with timed paths; with guideposts alone they find their ways by themselves.
 
 Layout of a frame, little-endian: version u8 | kind u8 | epoch u16, and for a plan, compressed::
 
     origin 2 i16 | size 2 u16 | boats u16 | targets u16 | steps u16 | nodes u16 | gender u8
     targets, starts: 2 i16 each | layouts u8 each, two bits per side | boat of each target u16 | its turns u8
     parent of each node i16 | children of each node 2 u16 | axis u8 | line i16 | leaf of each target u16
-    moves u8, of each target for each step
+    timed: moves u8, of each target for each step; guided, with 0 steps: shift of each node 2 i16
 
 The plan is that of one epoch, complete: who has heard it needs nothing else.
 """
@@ -16,11 +18,12 @@ import struct
 import zlib
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from swarm_msgs_py.assembly.faces import OFFSETS, Face, Gender, Layout
-from swarm_msgs_py.assembly.plan import AssemblyTree, Axis, Dispatch, TimedPaths, TreeNode
+from swarm_msgs_py.assembly.plan import AssemblyTree, Axis, Dispatch, Guideposts, TimedPaths, TreeNode
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.binary import Reader, packed, packed_integers
 from swarm_msgs_py.errors import AssemblyError, FrameError
@@ -30,7 +33,7 @@ ORDER_VERSION = 0x92
 """First byte of an order; progress frames begin with another."""
 _HEAD = struct.Struct("<BBH")
 _PLAN = struct.Struct("<2h2H4HB")
-_STOP, _FOLLOW = 0, 1
+_STOP, _FOLLOW, _FIND = 0, 1, 2
 _GENDERS = tuple(Gender)
 _LAYOUT_BITS = 2
 _OFFSETS = np.array([(0, 0), *OFFSETS])
@@ -60,6 +63,31 @@ class TimedOrders:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class GuidedOrders:
+    """A plan by which every boat finds its way by itself.
+
+    Attributes
+    ----------
+    problem : AssemblyProblem
+    dispatch : Dispatch
+    tree : AssemblyTree
+    guideposts : Guideposts
+    epoch : int
+        Number of the plan, from 1.
+    """
+
+    problem: AssemblyProblem
+    dispatch: Dispatch
+    tree: AssemblyTree
+    guideposts: Guideposts
+    epoch: int
+
+
+PlanOrders = TimedOrders | GuidedOrders
+"""A plan as every boat holds it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Order:
     """What the mission computer wants.
 
@@ -67,12 +95,12 @@ class Order:
     ----------
     epoch : int
         Number of the plan that it is about.
-    plan : TimedOrders or None
-        A plan to follow; None to stop the one of this number, each boat at its next cell.
+    plan : TimedOrders or GuidedOrders or None
+        None to stop the one of this number, each boat at its next cell.
     """
 
     epoch: int
-    plan: TimedOrders | None
+    plan: PlanOrders | None
 
 
 def is_order(data: bytes) -> bool:
@@ -90,7 +118,8 @@ def encode_order(order: Order) -> bytes:
     """
     if order.plan is None:
         return packed(_HEAD, ORDER_VERSION, _STOP, order.epoch)
-    return packed(_HEAD, ORDER_VERSION, _FOLLOW, order.epoch) + zlib.compress(_encode_plan(order.plan))
+    kind = _FOLLOW if isinstance(order.plan, TimedOrders) else _FIND
+    return packed(_HEAD, ORDER_VERSION, kind, order.epoch) + zlib.compress(_encode_plan(order.plan))
 
 
 @lru_cache(maxsize=16)
@@ -104,7 +133,7 @@ def decode_order(data: bytes) -> Order:
     """
     reader = Reader(data)
     version, kind, epoch = reader.fields(_HEAD)
-    if version != ORDER_VERSION or kind not in (_STOP, _FOLLOW):
+    if version != ORDER_VERSION or kind not in (_STOP, _FOLLOW, _FIND):
         raise FrameError("not an order to assembling boats")
     if kind == _STOP:
         reader.finish()
@@ -117,15 +146,20 @@ def decode_order(data: bytes) -> Order:
     if not unpacker.eof or unpacker.unused_data:
         raise FrameError("an order that is cut short or goes on")
     try:
-        return Order(epoch, _decode_plan(Reader(plain), epoch))
+        return Order(epoch, _decode_plan(Reader(plain), epoch, is_timed=kind == _FOLLOW))
     except (AssemblyError, ValueError, IndexError) as error:
         raise FrameError(f"an order that is no plan ({error})") from None
 
 
-def _encode_plan(plan: TimedOrders) -> bytes:
+def _encode_plan(plan: PlanOrders) -> bytes:
     problem, dispatch, nodes = plan.problem, plan.dispatch, plan.tree.nodes
     leaves = plan.tree.leaf_of()
-    sizes = problem.boat_count, problem.target_count, plan.paths.steps, len(nodes)
+    if isinstance(plan, TimedOrders):
+        steps = plan.paths.steps
+        rest: tuple[Any, str] = (_moves(plan.paths.cells[:, list(dispatch.boats)]), "u1")
+    else:
+        steps, rest = 0, (plan.guideposts.shifts, "<i2")
+    sizes = problem.boat_count, problem.target_count, steps, len(nodes)
     head = packed(_PLAN, *problem.origin, *problem.size, *sizes, _GENDERS.index(problem.gender))
     layouts = [sum(side << (_LAYOUT_BITS * face) for face, side in enumerate(layout)) for layout in problem.layouts]
     parts = (
@@ -139,12 +173,12 @@ def _encode_plan(plan: TimedOrders) -> bytes:
         ([node.axis.value if node.axis else 0 for node in nodes], "u1"),
         ([node.line for node in nodes], "<i2"),
         ([leaves[target] for target in range(problem.target_count)], "<u2"),
-        (_moves(plan.paths.cells[:, list(dispatch.boats)]), "u1"),
+        rest,
     )
     return head + b"".join(packed_integers(values, dtype) for values, dtype in parts)
 
 
-def _decode_plan(reader: Reader, epoch: int) -> TimedOrders:
+def _decode_plan(reader: Reader, epoch: int, *, is_timed: bool) -> PlanOrders:
     x, y, columns, rows, boats, targets, steps, nodes, gender = reader.fields(_PLAN)
     cells = [tuple((pair[0], pair[1]) for pair in _pairs(reader, "<i2", count)) for count in (targets, boats)]
     layouts = tuple(_layout(code) for code in reader.array("u1", boats).tolist())
@@ -154,6 +188,7 @@ def _decode_plan(reader: Reader, epoch: int) -> TimedOrders:
     axes, lines = reader.array("u1", nodes).tolist(), reader.array("<i2", nodes).tolist()
     leaves = reader.array("<u2", targets).tolist()
     moves = reader.array("u1", steps * targets).reshape(steps, targets).astype(np.int64)
+    shifts = [] if is_timed else _pairs(reader, "<i2", nodes)
     reader.finish()
     if gender >= len(_GENDERS) or len(set(dispatch.boats)) < targets or max(dispatch.boats, default=0) >= boats:
         raise FrameError("an order whose dispatch is none")
@@ -169,6 +204,9 @@ def _decode_plan(reader: Reader, epoch: int) -> TimedOrders:
         is_midway=True,
     )
     tree = _tree(parents, children, axes, lines, leaves)
+    if not is_timed:
+        posts = Guideposts(tuple((pair[0], pair[1]) for pair in shifts))
+        return GuidedOrders(problem, dispatch, tree, posts, epoch)
     paths = np.repeat(np.array(problem.starts, dtype=np.int64)[None], steps + 1, axis=0)
     paths[1:, list(dispatch.boats)] += np.cumsum(_OFFSETS[moves], axis=0)
     return TimedOrders(problem, dispatch, tree, TimedPaths(paths), epoch)

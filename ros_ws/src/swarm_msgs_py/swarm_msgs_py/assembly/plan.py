@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from swarm_msgs_py.assembly.faces import Cell, Layout, turned
-from swarm_msgs_py.assembly.problem import AssemblyProblem
+from swarm_msgs_py.assembly.problem import AssemblyProblem, manhattan
 from swarm_msgs_py.types import IntArray
 
 
@@ -113,6 +113,14 @@ class Guideposts:
     """
 
     shifts: tuple[Cell, ...]
+
+
+def ways_home(tree: AssemblyTree, posts: Guideposts) -> list[int]:
+    """Return how far each node drives from its guidepost, in its own group and in larger ones, to the end [cells]."""
+    ways = [0] * len(tree.nodes)
+    for number, node in enumerate(tree.nodes[1:], start=1):  # parents come before their children
+        ways[number] = ways[node.parent] + manhattan(posts.shifts[number], posts.shifts[node.parent])
+    return ways
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -20,13 +20,14 @@ _BOAT = int(Parts.BOAT)
 
 def _encode_boat(stamp: bytes, robot: NodeId, inputs: AssemblyInputs) -> bytes:  # noqa: ARG001 - tells the tick itself
     bits = sum(1 << face for face in inputs.contacts)
-    return convert.encode_boat(inputs.tick, bits, np.stack([inputs.pose, inputs.reference]))
+    seen = np.column_stack([inputs.seen, np.zeros(len(inputs.seen))])
+    return convert.encode_boat(inputs.tick, bits, np.vstack([inputs.pose, inputs.reference, seen]))
 
 
 def _join(tick: int, time: float, readings: Mapping[int, Any], frames: tuple[bytes, ...]) -> AssemblyInputs:
     bits, poses = readings[_BOAT]
     contacts = frozenset(face for face in Face if bits & (1 << face))
-    return AssemblyInputs(tick, time, poses[0], poses[1], contacts, frames)
+    return AssemblyInputs(tick, time, poses[0], poses[1], contacts, frames, poses[2:, :2])
 
 
 ASSEMBLY: Dialect[AssemblyInputs, FloatArray, AssemblyReport] = Dialect(
@@ -35,6 +36,6 @@ ASSEMBLY: Dialect[AssemblyInputs, FloatArray, AssemblyReport] = Dialect(
     join=_join,
     encode_command=lambda stamp, _robot, velocity: convert.encode_drift(stamp, velocity),
     decode_command=convert.decode_drift,
-    views=((topics.ODOM, views.boat_odometry), (topics.STATUS, views.boat_status)),
+    views=((topics.ODOM, views.boat_odometry), (topics.PATH, views.boat_path), (topics.STATUS, views.boat_status)),
 )
 """The assembly family."""

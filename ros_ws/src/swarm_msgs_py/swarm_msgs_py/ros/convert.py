@@ -205,12 +205,15 @@ def decode_neighbors(data: bytes) -> tuple[int, tuple[IntArray, FloatArray]]:
 
 
 def encode_boat(tick: int, contacts: int, poses: FloatArray) -> bytes:
-    """Return a ``std_msgs/Float64MultiArray``: tick, pressed foils as bits, then measured and held pose (2, 3)."""
+    """Return a ``std_msgs/Float64MultiArray``: tick, pressed foils as bits, then measured and held pose.
+
+    Further rows are places of other hulls, (2 + k, 3).
+    """
     return cdr.double_array(poses, BOAT_LABELS, (float(tick), float(contacts)))
 
 
 def decode_boat(data: bytes) -> tuple[int, tuple[int, FloatArray]]:
-    """Return the tick, the pressed foils as bits, and the poses (2, 3), of a ``std_msgs/Float64MultiArray``.
+    """Return the tick, the pressed foils as bits, and the poses (2 + k, 3), of a ``std_msgs/Float64MultiArray``.
 
     Raises
     ------
@@ -218,8 +221,8 @@ def decode_boat(data: bytes) -> tuple[int, tuple[int, FloatArray]]:
         If it is not such a table after two numbers, or a number is not finite.
     """
     leading, rows = cdr.read_double_array(data)
-    if len(leading) != 2 or rows.shape != (2, 3):
-        raise cdr.MessageError(f"a boat has {len(leading)} + {rows.shape} numbers, not 2 + (2, 3)")
+    if len(leading) != 2 or rows.ndim != 2 or rows.shape[0] < 2 or rows.shape[1] != 3:
+        raise cdr.MessageError(f"a boat has {len(leading)} + {rows.shape} numbers, not 2 + (2 or more, 3)")
     if not (np.isfinite(leading).all() and np.isfinite(rows).all()):
         raise cdr.MessageError("the poses of a boat must be finite")
     return int(leading[0]), (int(leading[1]), rows)

@@ -177,6 +177,13 @@ def boat_odometry(robot: NodeId, seconds: float, report: AssemblyReport) -> Odom
     return message
 
 
+def boat_path(robot: NodeId, seconds: float, report: AssemblyReport) -> Path:  # noqa: ARG001 - of a family of views
+    """Return where a boat is driving: its own place, then the middle of a cell."""
+    header = _header(seconds)
+    points = (report.pose[:2], report.goal)
+    return Path(header=header, poses=[PoseStamped(header=header, pose=_pose(point, 0.0)) for point in points])
+
+
 def boat_status(robot: NodeId, seconds: float, report: AssemblyReport) -> DiagnosticArray:
     """Return what a boat does, and what it touches."""
     values = {

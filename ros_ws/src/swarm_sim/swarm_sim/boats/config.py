@@ -91,6 +91,9 @@ class WaterConfig(Config):
 class PoseSensorConfig(Config):
     """Motion capture, the only source of pose (paper)."""
 
+    sight_m: float = setting(
+        0.875, "other hulls are seen this far along each axis: 3 cells (simulator of the paper)", unit="m", minimum=0.0
+    )
     sigma_m: float = setting(0.001, "white noise per axis", unit="m", minimum=0.0)
     yaw_sigma_deg: float = setting(0.2, "white noise of the heading", unit="deg", minimum=0.0)
 

@@ -118,6 +118,7 @@ class Pool:
         count = len(fleet.poses)
         self._step_s = 1.0 / config.control_hz
         self._side_m = config.hull.side_m
+        self._sight_m = config.pose.sight_m
         self._sensor = PoseSensor(config.pose, [seed] * count, range(count))
         self._water = Water(config.water, [seed] * count, range(count), self._step_s)
         self._magnets = Magnets(config.magnets, fleet.layouts, fleet.gender)
@@ -145,6 +146,15 @@ class Pool:
     def contacts(self) -> BoolArray:
         """Which contact foils are pressed (n, 4)."""
         return self._magnets.contacts
+
+    def seen_by(self, boat: int) -> FloatArray:
+        """Return the measured places of the other hulls around a boat (k, 2) [m], ascending."""
+        places = self.measured[:, :2]
+        is_near = np.abs(places - places[boat]).max(axis=1) <= self._sight_m
+        is_near[boat] = False
+        near: FloatArray = places[is_near]
+        order = np.lexsort(near.T[::-1])
+        return np.asarray(near[order])
 
     @property
     def thrusts(self) -> FloatArray:

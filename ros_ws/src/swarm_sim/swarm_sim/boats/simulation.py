@@ -165,6 +165,7 @@ class BoatSimulation(CommandedWorld[AssemblyInputs]):
                 reference=pool.references[robot].copy(),
                 contacts=frozenset(face for face in Face if contacts[robot, face]),
                 inbox=electronics.inboxes[robot],
+                seen=pool.seen_by(robot),
             )
             for robot in self.robots
             if electronics.is_alive(robot)
