@@ -4,8 +4,8 @@ python benchmarks/camera_arena.py [--seeds S ...] [--engine ros|inprocess] [--ra
 
 Each run is a process of its own, as a user would start it. The first table has a row per shape: means over the seeds,
 with the worst in parentheses. The last has what holds for whole runs. With ``--random-starts`` robots start anywhere,
-and each seed begins with another of the shapes; then there are two tables of shapes, of those formed first and of the
-others. With ``--out`` finished runs are kept, and are not run again.
+and form two shapes, of which each seed begins with another; then there are two tables of shapes, of those formed first
+and of the others. With ``--out`` finished runs are kept, and are not run again.
 """
 
 from __future__ import annotations
@@ -87,10 +87,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     runs = [_run(file, options, seed) for seed in options.seeds]
     if options.random_starts:
-        print("Formed first, from anywhere:\n")
-        _print_shapes([(shape, [run for run in runs if run.first == shape]) for shape in range(len(SHAPES))])
-        print("\nFormed after another shape:\n")
-        _print_shapes([(shape, [run for run in runs if run.first != shape]) for shape in range(len(SHAPES))])
+        for which, before in (("first, from anywhere", 0), ("after another shape", 1)):
+            print(f"\nFormed {which}:\n")
+            _print_shapes(
+                [(k, [run for run in runs if run.first == (k - before) % len(SHAPES)]) for k in range(len(SHAPES))]
+            )
     else:
         _print_shapes([(shape, runs) for shape in range(len(SHAPES))])
     rows = [run.metrics for run in runs]
@@ -119,9 +120,8 @@ def _settings(options: argparse.Namespace, seed: int) -> tuple[str, ...]:
     if not options.random_starts:
         return tuple(options.set)
     first = _first(options, seed)
-    names = [shape.name for shape in (*SHAPES[first:], *SHAPES[:first])]
-    stages = ", ".join(f"{{shape: {{name: {name}}}}}" for name in names[1:])
-    return (*RANDOM_STARTS, f"shape.name={names[0]}", f"stages=[{stages}]", *options.set)
+    names = SHAPES[first].name, SHAPES[(first + 1) % len(SHAPES)].name
+    return (*RANDOM_STARTS, f"shape.name={names[0]}", f"stages=[{{shape: {{name: {names[1]}}}}}]", *options.set)
 
 
 def _key(options: argparse.Namespace, seed: int) -> str:

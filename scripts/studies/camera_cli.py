@@ -17,6 +17,7 @@ from studies.campaign import completed
 from studies.campaign_folder import open_results, write_files
 from studies.campaign_progress import console_on, follow
 from swarm_msgs_py.errors import ConfigError, SwarmError
+from swarm_sim.config import Renderer
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 TABLE = "table.md"
@@ -69,6 +70,8 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
     add("--images", metavar="N", type=whole(1, 100_000), default=100, help="images of each (default: %(default)s)")
     add("--first-seed", metavar="S", type=whole(0, SEED_MAX), default=TUNING_SEEDS,
         help="default: %(default)s; smaller ones are for tuning")  # fmt: skip
+    add("--renderer", choices=[renderer.value for renderer in Renderer], default=Renderer.RASTER.value,
+        help="what draws the images, as camera.renderer of a scenario (default: %(default)s)")  # fmt: skip
     add("--workers", metavar="K", type=whole(1, 1024), default=os.cpu_count() or 1,
         help="processes; the numbers do not depend on it, but for the time (default: all cores)")  # fmt: skip
     add("--out", metavar="DIR", type=folder, default=DEFAULT_OUT, help="folder of the results (default: %(default)s)")
@@ -76,7 +79,8 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
     last = given.first_seed + given.seeds - 1
     if last > SEED_MAX:
         raise ConfigError(f"--first-seed {given.first_seed}: seeds end at {SEED_MAX}; lower it")
-    runs = tuple(Run(seed, given.images) for seed in range(given.first_seed, last + 1))
+    renderer = Renderer(given.renderer)
+    runs = tuple(Run(seed, given.images, renderer) for seed in range(given.first_seed, last + 1))
     return Arguments(runs, given.workers, given.out)
 
 

@@ -18,7 +18,7 @@ from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import BoolArray
 from swarm_sim.camera.overhead_camera import OverheadCamera, blacken_half
-from swarm_sim.config import CameraConfig
+from swarm_sim.config import CameraConfig, Renderer
 
 FRAME_S = 100.0
 """Time between two images [s]: so long that no track helps."""
@@ -36,15 +36,18 @@ class Run:
         Of camera, light and images.
     images : int
         How many count, after those from which the camera is calibrated.
+    renderer : Renderer
+        What draws them.
     """
 
     seed: int
     images: int
+    renderer: Renderer = Renderer.RASTER
 
     @property
     def key(self) -> str:
         """Return what distinguishes this run from any other."""
-        return f"seed={self.seed},images={self.images}"
+        return f"seed={self.seed},images={self.images},renderer={self.renderer.value}"
 
 
 def perform(run: Run) -> Scores:
@@ -52,7 +55,7 @@ def perform(run: Run) -> Scores:
     cv2.setNumThreads(1)
     markers, marks, vision = arena_markers(), FloorMarks(), VisionConfig()
     config = _varied(CameraConfig(is_on=True), run.seed)
-    camera = OverheadCamera(config, markers, marks, run.seed)
+    camera = OverheadCamera(config, markers, marks, run.seed, run.renderer)
     localizer = CameraLocalizer(vision, markers, marks)
     scores, costs = Scores(images=run.images), []
     for number in range(-vision.calibration_frames, run.images):
@@ -68,6 +71,7 @@ def perform(run: Run) -> Scores:
         if number >= 0:
             costs.append(1e3 * (time.thread_time() - began))
             scores = _counted(scores, report, case, in_view(case, markers, camera.optics))
+    camera.close()
     return replace(scores, cost_ms=tuple(np.percentile(costs, (50.0, 99.0)).tolist()))
 
 

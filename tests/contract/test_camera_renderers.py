@@ -26,7 +26,7 @@ FLOOR = np.column_stack([FloorMarks().centers, np.zeros(4)])
 
 
 def make(renderer: Renderer, **changes: float) -> OverheadCamera:
-    return OverheadCamera(CameraConfig(is_on=True, renderer=renderer, **changes), MARKERS, FloorMarks(), 5)
+    return OverheadCamera(CameraConfig(is_on=True, **changes), MARKERS, FloorMarks(), 5, renderer)
 
 
 def draw(camera: OverheadCamera, *spots: Spot) -> FloatArray:
@@ -58,8 +58,8 @@ def test_the_mission_computer_finds_all_robots_in_it(camera: OverheadCamera) -> 
 
     assert len(report.fixes) == 5
     for fix in report.fixes:
-        assert np.hypot(*(fix.position - STARTS[fix.robot])) < 0.003
-        assert abs(fix.yaw - YAWS[fix.robot]) < np.deg2rad(1.0)
+        assert np.hypot(*(fix.position - STARTS[fix.robot])) < 0.0015
+        assert abs(fix.yaw - YAWS[fix.robot]) < np.deg2rad(0.4)
 
 
 def test_a_scene_is_drawn_the_same_again_also_after_another(camera: OverheadCamera) -> None:
@@ -72,8 +72,8 @@ def test_a_scene_is_drawn_the_same_again_also_after_another(camera: OverheadCame
 
 
 @pytest.mark.skipif(not HAS_BULLET, reason="pybullet is not installed")
-def test_the_renderers_agree_on_covers_and_discs_but_for_their_edges() -> None:
-    """Two independent pictures of one scene; PyBullet has hard edges and no grain on the floor."""
+def test_the_renderers_agree_on_covers_and_discs_and_their_edges() -> None:
+    """Two independent pictures of one scene; PyBullet's has no grain on the floor."""
     cameras = [make(renderer, noise_codes=0.0, spot_px=1.0) for renderer in Renderer]
     one, other = (draw(camera) for camera in cameras)
     column, row = cameras[0].optics.project(np.array([[*STARTS[GREEN], 0.12]]))[0].round().astype(int)
@@ -82,5 +82,6 @@ def test_the_renderers_agree_on_covers_and_discs_but_for_their_edges() -> None:
         camera.close()
 
     off = np.abs(one[part] - other[part]).max(axis=2)
-    assert (off > 12.0).mean() < 0.12  # pixels on edges
+    assert (off > 12.0).mean() < 0.03  # few pixels on edges, of which PyBullet takes four samples
+    assert off.max() < 60.0
     assert np.median(off) < 4.0

@@ -288,3 +288,12 @@ def test_in_real_time_nobody_is_waited_for(swarm: LiveSwarm) -> None:
 
     assert [NodeId(0) in result.answered for result in results] == [False, False, False]
     assert all({NodeId(1), NodeId(2), MISSION} <= result.answered for result in results)
+
+
+def test_a_world_that_cannot_keep_up_with_the_clock_still_hears_its_swarm(swarm: LiveSwarm) -> None:
+    swarm.run(2)
+    swarm.world.period_s = 0.002  # much less than a tick takes
+
+    results = swarm.run(40, PaceConfig(real_time=True)).results
+
+    assert any(result.answered or "again" in " ".join(result.alerts) for result in results[10:])

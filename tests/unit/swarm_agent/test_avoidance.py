@@ -86,6 +86,28 @@ def test_who_wants_nothing_is_not_blocked() -> None:
     assert not avoidance.is_blocked
 
 
+@pytest.mark.parametrize("insist_s", [0.0, 1.5])
+def test_a_blocked_robot_asks_for_way_until_it_has_got_on_for_long_enough(insist_s: float) -> None:
+    """Those that make way would come back at its first step otherwise."""
+    avoidance = Avoidance(AvoidanceConfig(insist_s=insist_s), RADIUS, PERIOD)
+    gate = np.array([[0.05, RADIUS + 0.02], [0.05, -RADIUS - 0.02]])  # not to be squeezed through
+    for _ in range(20):
+        avoidance.step(AHEAD, REST, gate, 10.0)
+    assert avoidance.is_blocked
+
+    def asks_while(contacts: np.ndarray, ticks: int) -> list[bool]:
+        asked = []
+        for _ in range(ticks):
+            avoidance.step(AHEAD, AHEAD, contacts, 10.0)
+            asked.append(avoidance.is_blocked)
+        return asked
+
+    wider, insisting = 5.0 * gate, round(insist_s / PERIOD)
+    assert asks_while(wider, 2) == [insisting > 1, insisting > 2]
+    asks_while(gate, 20)  # it closes again
+    assert asks_while(wider, insisting + 2) == [True] * max(insisting - 1, 0) + [False] * (2 + min(insisting, 1))
+
+
 def antipodal(n: int) -> tuple[np.ndarray, np.ndarray]:
     angles = np.arange(n) * 2 * np.pi / n
     circle = max(4.0, 0.6 * n) * np.column_stack([np.cos(angles), np.sin(angles)])

@@ -76,6 +76,17 @@ def test_a_late_command_is_dropped_and_late_frames_go_out_before_the_new_ones(bo
     assert second.complete == {FIRST, SECOND, MISSION}
 
 
+def test_frames_that_come_between_two_ticks_are_late_and_not_lost(book: AnswerBook) -> None:
+    book.open(7)
+    book.close()
+    book.put_frames(MISSION, 7, (b"late",))
+
+    book.open(8)
+    book.put_frames(MISSION, 8, (b"in time",))
+
+    assert book.close().outboxes == {MISSION: (b"late", b"in time")}
+
+
 def test_who_is_heard_again_is_waited_for_again(book: AnswerBook) -> None:
     book.open(0)
     answer(book, 0, FIRST, MISSION)

@@ -14,7 +14,16 @@ from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus, RobotFix
 from swarm_msgs_py.types import NodeId
 from swarm_sim.camera.feed import CameraFeed
-from swarm_sim.config import CameraConfig, ImuConfig, RangingConfig, SpotConfig
+from swarm_sim.config import (
+    Backend,
+    CameraConfig,
+    ImuConfig,
+    PhysicsConfig,
+    RangingConfig,
+    Renderer,
+    SimConfig,
+    SpotConfig,
+)
 from swarm_sim.metrics.camera import CameraScores, heading_errors
 from swarm_sim.radio.links import LinkTable
 from swarm_sim.sensors.imu import Imu
@@ -47,6 +56,15 @@ def test_what_lies_on_the_floor_is_in_the_picture() -> None:
     assert spotted is not None
     changed = (plain.pixels != spotted.pixels).any(axis=2)
     assert 200 < changed.sum() < 600
+
+
+def test_pybullet_draws_the_images_where_it_is_the_physics_unless_it_is_said() -> None:
+    bullet, fast = PhysicsConfig(backend=Backend.BULLET), PhysicsConfig(backend=Backend.MASSDAMPER)
+
+    assert SimConfig(physics=bullet).renderer is Renderer.BULLET
+    assert SimConfig(physics=fast).renderer is Renderer.RASTER
+    assert SimConfig(physics=bullet, camera=replace(SMALL, renderer=Renderer.RASTER)).renderer is Renderer.RASTER
+    assert SimConfig(physics=fast, camera=replace(SMALL, renderer=Renderer.BULLET)).renderer is Renderer.BULLET
 
 
 def test_a_camera_needs_robots_that_it_can_know() -> None:

@@ -121,6 +121,7 @@ class AnswerBook:
         }
         commands = dict(sorted(self._commands.items()))
         self._missing, self._heard, self._late = set(), set(), {}
+        self._tick += 1  # what still comes for this tick is late, also before the next one is opened
         return Answers(commands, outboxes, complete, tuple(sorted(silenced)), tuple(sorted(recovered)))
 
     def _check(self, node: NodeId) -> None:

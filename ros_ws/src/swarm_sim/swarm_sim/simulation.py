@@ -109,7 +109,7 @@ class Simulation:
         self._electronics = Electronics(config.radio, links, nodes, config.period_s, seed, deaths, arrivals)
         self._sensors = SensorSuite(config, scene, self._obstacles, seed)
         self._world = make_world(config, scene, seed)
-        self._camera = CameraFeed(config.camera, scene.markers, seed) if config.camera.is_on else None
+        self._camera = CameraFeed(config.camera, scene.markers, seed, config.renderer) if config.camera.is_on else None
 
         self._tick = 0
         self._setpoints = np.zeros((len(self.robots), 3))
@@ -207,6 +207,9 @@ class Simulation:
             radio=self._electronics.traffic,
         )
         self._begin_tick(motion.mean_accelerations)
+        if self._camera is not None:
+            # Now, and not when it is asked for: in real time, what is left of this tick is there to draw it.
+            self._camera.image(self.time, self._world.state)
         return truth
 
     def kill(self, node: NodeId) -> None:

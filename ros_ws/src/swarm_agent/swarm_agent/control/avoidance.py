@@ -66,13 +66,18 @@ class Avoidance:
         self._side = 1.0  # +1: pass on the right
         self._patience_lost = 0.0  # seconds without progress, forgotten as progress comes back
         self._halted = 0.0  # seconds without motion
+        self._is_blocked = False
+        self._got_on = 0.0  # seconds of progress since it was last without patience
         self._seen = np.empty((0, 2))  # contacts of the last tick
         self._driven = np.zeros(2), np.zeros(2)  # what was chosen then, and the velocity that the robot had
 
     @property
     def is_blocked(self) -> bool:
-        """Whether the robot has lost its patience: it has hardly got on for `stuck_after_s`."""
-        return self._patience_lost >= self._config.stuck_after_s
+        """Whether the robot has hardly got on for `stuck_after_s`, and not got on for `insist_s` without a break since.
+
+        Where others make way for it, its first step must not be taken for the last: they would close the gap again.
+        """
+        return self._is_blocked
 
     def step(self, wanted: FloatArray, velocity: FloatArray, contacts: FloatArray, reach: float) -> FloatArray:
         """Return a safe velocity close to the wanted one.
@@ -95,16 +100,17 @@ class Avoidance:
         """
         chosen = wanted
         if not len(contacts):
-            self._calm()
+            self._give_up()
         elif length_of(wanted) < _STANDSTILL:
-            self._calm()  # who wants nothing is not blocked
+            self._give_up()  # who wants nothing is not blocked
             if not self._is_far_from(contacts, velocity):
                 chosen = _back_out(self._look(contacts, velocity), wanted, self._config.escape_speed_m_s)
         else:
             around = self._look(contacts, velocity)
             moving = self._track(contacts)
             if self._is_free(wanted, around, moving, reach):
-                self._calm()
+                self._patience_lost = self._halted = 0.0
+                self._insist(gets_on=True)
             else:
                 chosen = self._choose(wanted, around, moving, reach)
                 self._watch_progress(wanted, chosen)
@@ -197,16 +203,27 @@ class Avoidance:
         """Lose patience without progress; change the preferred side after too long without motion."""
         speed = length_of(wanted)
         slow = _SLOW_SHARE * speed
-        lost = self._period if float(wanted @ chosen) < slow * speed else -self._period
+        gets_on = float(wanted @ chosen) >= slow * speed
+        lost = -self._period if gets_on else self._period
         self._patience_lost = min(max(self._patience_lost + lost, 0.0), self._config.stuck_after_s)
+        self._insist(gets_on=gets_on)
         self._halted = self._halted + self._period if length_of(chosen) < slow else 0.0
         if self._halted >= self._config.stuck_after_s:
             self._side = -self._side
             self._halted = 0.0
 
-    def _calm(self) -> None:
-        self._patience_lost = 0.0
-        self._halted = 0.0
+    def _insist(self, *, gets_on: bool) -> None:
+        """Call the robot blocked when its patience is lost, and from then on until it has got on for long enough."""
+        if self._patience_lost >= self._config.stuck_after_s:
+            self._is_blocked, self._got_on = True, 0.0
+        elif self._is_blocked:
+            self._got_on = self._got_on + self._period if gets_on else 0.0
+            self._is_blocked = self._got_on < self._config.insist_s
+
+    def _give_up(self) -> None:
+        """Forget what was in the way."""
+        self._patience_lost = self._halted = self._got_on = 0.0
+        self._is_blocked = False
 
 
 def _back_out(around: _Surroundings, wanted: FloatArray, speed_max: float) -> FloatArray:

@@ -41,6 +41,9 @@ class AvoidanceConfig(Config):
         unit="s",
         above=0.0,
     )
+    insist_s: float = setting(
+        0.0, "a blocked robot calls itself so until it has got on for this long without a break", unit="s", minimum=0.0
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ from swarm_msgs_py.markers import CoverMarker, FloorMarks
 from swarm_msgs_py.messages.camera import CameraImage, CameraInfo
 from swarm_sim.camera.overhead_camera import OverheadCamera
 from swarm_sim.camera.raster import Spot
-from swarm_sim.config import CameraConfig, SpotConfig
+from swarm_sim.config import CameraConfig, Renderer, SpotConfig
 from swarm_sim.world.world import BodyState
 
 
@@ -23,6 +23,8 @@ class CameraFeed:
         One per robot, in the order of the bodies.
     seed : int
         Seed of the run.
+    renderer : Renderer
+        Who draws the images.
 
     Raises
     ------
@@ -32,10 +34,16 @@ class CameraFeed:
         If the renderer is not installed, or does not start.
     """
 
-    def __init__(self, config: CameraConfig, markers: Sequence[CoverMarker], seed: int) -> None:
+    def __init__(
+        self,
+        config: CameraConfig,
+        markers: Sequence[CoverMarker],
+        seed: int,
+        renderer: Renderer = Renderer.RASTER,
+    ) -> None:
         if not markers:
             raise ConfigError("camera.is_on: the robots have no covers for it to see; give each type its colors")
-        self._camera = OverheadCamera(config, markers, FloorMarks(), seed)
+        self._camera = OverheadCamera(config, markers, FloorMarks(), seed, renderer)
         self._spots = tuple(_spot(spot) for spot in config.spots)
         self._number = 0
         self._asked: float | None = None  # time that was asked for last [s]

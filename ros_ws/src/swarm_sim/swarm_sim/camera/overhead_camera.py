@@ -42,6 +42,8 @@ class OverheadCamera:
     marks : FloorMarks
     seed : int
         Seed of the run; draws mounting, light and noise.
+    renderer : Renderer
+        Who draws the images; what the configuration says of it is for who makes the camera to heed.
 
     Raises
     ------
@@ -49,16 +51,25 @@ class OverheadCamera:
         If the renderer is not installed, or does not start.
     """
 
-    def __init__(self, config: CameraConfig, markers: Sequence[CoverMarker], marks: FloorMarks, seed: int) -> None:
+    def __init__(
+        self,
+        config: CameraConfig,
+        markers: Sequence[CoverMarker],
+        marks: FloorMarks,
+        seed: int,
+        renderer: Renderer = Renderer.RASTER,
+    ) -> None:
         self._config, self._seed = config, seed
         self.optics = make_optics(config, rng_for(seed, "camera mount"))
         self._info = stated_info(self.optics.info, config.info_sigma, rng_for(seed, "camera maker"))
         light = illumination(config, rng_for(seed, "camera light"))
-        self._painter = self._make_painter(markers, marks, light)
+        self._painter = self._make_painter(renderer, markers, marks, light)
 
-    def _make_painter(self, markers: Sequence[CoverMarker], marks: FloorMarks, light: LightArray) -> Painter:
+    def _make_painter(
+        self, renderer: Renderer, markers: Sequence[CoverMarker], marks: FloorMarks, light: LightArray
+    ) -> Painter:
         config, grain = self._config, rng_for(self._seed, "camera floor")
-        if config.renderer is Renderer.RASTER:
+        if renderer is Renderer.RASTER:
             return Raster(self.optics, markers, marks, light, grain, config.spot_px)
         try:
             # Imported on demand: the other renderer must work where this one is not installed.
@@ -67,7 +78,7 @@ class OverheadCamera:
             raise PhysicsError(
                 f"renderer 'bullet' is not installed ({error}); install pybullet or set camera.renderer to raster"
             ) from error
-        painter: Painter = module.BulletPainter(self.optics, markers, marks, light)
+        painter: Painter = module.BulletPainter(self.optics, markers, marks, light, config.spot_px)
         return painter
 
     @property

@@ -17,6 +17,7 @@ from swarm_msgs_py.types import FloatArray
 from swarm_sim.camera.coverage import Pixels, edge_coverage
 from swarm_sim.camera.exposure import LightArray, codes_of, linear_of
 from swarm_sim.camera.optics import Optics
+from swarm_sim.camera.windows import Window, window_around
 
 FLOOR_SRGB, BLACK_SRGB, DRUM_SRGB = (190, 190, 188), (38, 38, 40), (58, 58, 60)
 """Floor; covers and marks; the side of a robot, which catches some light."""
@@ -24,8 +25,6 @@ FLOOR_GRAIN = 0.03
 """Relative roughness of the floor's brightness, in patches of a few pixels."""
 DRUM_LEVELS = 2
 """Circles that stand for the side of a robot below its cover."""
-EDGE_PX = 3
-"""Pixels around a circle that are drawn with it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +108,8 @@ class Raster:
                 dx, dy = (place * ahead).tolist()
                 self._disc(light, marker.height, (x + dx, y + dy), radius, ink)
         for part in touched:
+            if part is None:
+                continue
             codes[part] = codes_of(light[part] * self._gain[part])
         return codes
 
@@ -117,29 +118,16 @@ class Raster:
 
     def _disc(
         self, light: LightArray, level: float, center: tuple[float, float], radius: float, ink: NDArray[np.float32]
-    ) -> tuple[slice, slice]:
-        """Draw a disc into `light`, in place; return the rows and columns that it may have changed."""
-        part = self._around(level, center, radius)
-        if light[part].size == 0:
-            return part
+    ) -> Window | None:
+        """Draw a disc into `light`, in place; return what of it may have changed, None if the disc is out of view."""
+        part = window_around(self._optics, np.array(center), radius, (level,))
+        if part is None:
+            return None
         offset = self._planes[level][part] - np.array(center, dtype=np.float32)
         distances: Pixels = np.sqrt(np.einsum("ijk,ijk->ij", offset, offset)) - np.float32(radius)
         covered = edge_coverage(distances, self._spot_px)[:, :, None]
         light[part] += covered * (ink - light[part])
         return part
-
-    def _around(self, level: float, center: tuple[float, float], radius: float) -> tuple[slice, slice]:
-        """Return rows and columns of the image that hold a disc; none, if it is out of view."""
-        angles = np.arange(0.0, 2.0 * np.pi, np.pi / 8.0)
-        ring = np.array(center) + 1.03 * radius * np.column_stack([np.cos(angles), np.sin(angles)])
-        pixels = self._optics.project(np.column_stack([ring, np.full(len(ring), level)]))
-        low = np.floor(pixels.min(axis=0)).astype(int) - EDGE_PX
-        high = np.ceil(pixels.max(axis=0)).astype(int) + EDGE_PX + 1
-        size = np.array([self._optics.info.width, self._optics.info.height])
-        low, high = np.clip(low, 0, size), np.clip(high, 0, size)
-        if (high - low).min() < 2:  # an edge has no slope in a single row
-            low, high = np.zeros(2, dtype=int), np.zeros(2, dtype=int)
-        return slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))
 
 
 def _levels(marker: CoverMarker) -> list[float]:

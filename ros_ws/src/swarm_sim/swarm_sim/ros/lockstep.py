@@ -188,7 +188,8 @@ class Lockstep:
         self._world.begin()
         self._note_switched()
         if self._pace.real_time:
-            self._await_answers_until(start + ANSWER_SHARE * self._world.period_s)
+            # From when all was told: a world that runs late must not become one that hears nobody, ever.
+            self._await_answers_until(time.monotonic() + ANSWER_SHARE * self._world.period_s)
         else:
             self._await_answers()
             self._linger(start)
@@ -230,12 +231,21 @@ class Lockstep:
         return self._began
 
     def _await_answers_until(self, deadline: float) -> None:
-        """Run callbacks until all have answered, the deadline has passed or it is over."""
-        while not self._world.answered.done() and not self._is_over():
+        """Run callbacks until all have answered, the deadline has passed or it is over.
+
+        If the whole swarm is silent, nobody is waited for, but it is listened to: else it would remain so for a world
+        that is too late to listen between two ticks.
+        """
+        while not self._is_over():
             left = deadline - time.monotonic()
             if left <= 0.0:
                 return
-            spin_for(self._executor, min(SLICE_S, left), self._world.answered)
+            if self._world.is_deserted:
+                spin_for(self._executor, min(SLICE_S, left))
+            elif self._world.answered.done():
+                return
+            else:
+                spin_for(self._executor, min(SLICE_S, left), self._world.answered)
             self._bury_fallen()
 
     def _await_answers(self) -> None:
