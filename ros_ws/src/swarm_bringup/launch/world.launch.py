@@ -34,7 +34,7 @@ def _nodes(context: LaunchContext) -> list[Node]:
         "period_s": period_s,
         "real_time": given["real_time"].lower() == "true",
     }
-    shape = ParameterValue(given["shape"], value_type=str)  # else its text would be read as YAML
+    shape = ParameterValue(LaunchConfiguration("shape"), value_type=str)  # else its text would be read as YAML
     mission = {"counts": counts, "shape": shape, "room_m2": float(given["room_m2"]), "period_s": period_s}
     return [
         Node(package="swarm_sim", executable="world_node", parameters=[world], output="screen"),
