@@ -12,11 +12,14 @@ from numpy.testing import assert_allclose
 from PIL import Image, ImageDraw
 from shapely import Point, Polygon
 
-from mission_computer.shape import Placement, is_drawing, load_shape, placed_shape
+from mission_computer.shape import Placement, is_drawing, load_shape, placed_shape, with_room
 from mission_computer.shape.detail import VERTICES_MAX
 from mission_computer.shape.filling import FillRule, filled
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.geometry.contour import area_centroid, signed_area
+from swarm_msgs_py.partition import PartitionConfig, needed_scale
+from swarm_msgs_py.robots import THESIS_TYPES
+from swarm_msgs_py.roster import Roster
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {frame}>{body}</svg>'
 OUTER = [[0, 0], [10, 0], [10, 8], [0, 8], [0, 0]]
@@ -107,6 +110,56 @@ def test_a_picture_is_its_silhouette(tmp_path: Path, mode: str, paper: object, i
     assert signed_area(contour) == pytest.approx(math.pi * (60.5**2 - 20.5**2), rel=0.02)
     assert_allclose(area_centroid(contour), [201.0, 200.0 - 80.0], atol=1.0)
     assert len(contour) <= VERTICES_MAX
+
+
+@pytest.mark.parametrize(("kind", "paper", "ink"), [(np.uint16, 65535, 20000), (np.float32, 1.0, 0.1)])
+def test_pictures_of_more_than_eight_bits_are_read_in_their_own_range(
+    tmp_path: Path, kind: type, paper: float, ink: float
+) -> None:
+    values = np.full((100, 100), paper, dtype=kind)
+    values[20:60, 30:80] = ink
+    file = tmp_path / "deep.tiff"
+    Image.fromarray(values).save(file)
+
+    assert signed_area(load_shape(file)) == pytest.approx(2000.0, rel=0.03)
+
+
+def test_a_speck_of_transparency_does_not_make_the_picture_its_rectangle(tmp_path: Path) -> None:
+    file = pictured(tmp_path, "RGBA", (255, 255, 255, 255), (0, 0, 0, 255))
+    with Image.open(file) as image:
+        image.putpixel((0, 0), (255, 255, 255, 0))
+        image.save(file)
+
+    assert signed_area(load_shape(file)) == pytest.approx(math.pi * (60.5**2 - 19.5**2), rel=0.02)
+
+
+def test_a_small_hole_in_a_map_stays(tmp_path: Path) -> None:
+    yard = [[0, 0], [100, 0], [100, 100], [0, 100], [0, 0]]
+    pit = [[50, 50], [50, 53], [53, 53], [53, 50], [50, 50]]
+    file = tmp_path / "yard.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [yard, pit]}))
+
+    assert signed_area(load_shape(file)) == pytest.approx(10_000.0 - 9.0, abs=2.0)  # the slit to it takes a little
+
+
+def test_numbers_beyond_all_bounds_are_refused_in_a_line(tmp_path: Path) -> None:
+    with pytest.raises(ShapeError, match=r"drawing\.svg"):
+        load_shape(drawn(tmp_path, '<rect width="1e400" height="10"/>'))
+
+
+@pytest.mark.parametrize("source", ["text:SWARM", "hw_2_square"])
+def test_shapes_without_a_unit_of_length_get_room_for_all(source: str) -> None:
+    roster = Roster.of((THESIS_TYPES[0],) * 6)
+
+    placement = with_room(source, Placement(), roster, PartitionConfig())
+
+    if is_drawing(source):
+        assert placement.center == (0.0, 0.0)
+        factor = needed_scale(placed_shape(source, placement), roster, PartitionConfig())
+        assert factor is not None
+        assert factor <= 1.0
+    else:
+        assert placement == Placement()
 
 
 def test_letters_have_holes_and_parts() -> None:
