@@ -21,6 +21,14 @@ NOT_REPORTED = -1
 """Mode of a robot that has told none."""
 
 
+def reported_modes(record: TickRecord[Any, Any]) -> np.ndarray:
+    """Return the mode that each robot has told in a tick, (n,); `NOT_REPORTED` of those that were silent."""
+    modes = np.full(len(record.truth.alive), NOT_REPORTED, dtype=np.int64)
+    for robot, report in record.reports.items():
+        modes[robot] = report.mode
+    return modes
+
+
 @dataclass(slots=True)
 class PointSets:
     """Sets of points that change now and then, each with the tick from which on it holds."""

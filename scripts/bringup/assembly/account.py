@@ -11,7 +11,7 @@ from bringup.assembly.planning import planned
 from bringup.assembly.scenario import AssemblyScenario
 from bringup.engine import TickRecord
 from bringup.family import Metrics
-from bringup.history import NOT_REPORTED, Chronicle, PairChanges
+from bringup.history import Chronicle, PairChanges, reported_modes
 from bringup.run_numbers import run_numbers
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.assembly.boat_io import AssemblyReport, BoatMode
@@ -66,10 +66,7 @@ class AssemblyAccount:
             (self._latches.add if event.holds else self._latches.discard)(event.latch)
         self._docks.put(record.tick, ((latch.boat, latch.other) for latch in self._latches))
         self._chronicle.take(record, ())
-        modes = np.full(len(truth.alive), NOT_REPORTED, dtype=np.int64)
-        for boat, report in record.reports.items():
-            modes[boat] = report.mode
-        self._modes.append(modes)
+        self._modes.append(reported_modes(record))
         self._steps = max((self._steps, *(report.steps_done for report in record.reports.values())))
         end = truth.time + self._period
         if np.linalg.norm(truth.ends - truth.positions, axis=1).max() > STILL_M or truth.events:

@@ -11,7 +11,7 @@ from bringup.coverage.scenario import CoverageScenario
 from bringup.coverage.starts import LEADER
 from bringup.engine import TickRecord
 from bringup.family import Metrics
-from bringup.history import NOT_REPORTED, Chronicle
+from bringup.history import Chronicle, reported_modes
 from bringup.run_numbers import run_numbers
 from bringup.verdict import Timing, Verdict
 from swarm_msgs_py.coverage_io import CoverageMode, CoverageReport
@@ -53,10 +53,7 @@ class CoverageAccount:
         self.covering.take(record.truth, record.reports)
         self._truths.append(record.truth)
         self._chronicle.take(record, map(tuple, record.truth.links.tolist()))
-        modes = np.full(len(record.truth.alive), NOT_REPORTED, dtype=np.int64)
-        for robot, report in record.reports.items():
-            modes[robot] = report.mode
-        self._modes.append(modes)
+        self._modes.append(reported_modes(record))
         waiting = {NodeId(r) for event in self._events[self._passed :] for r in event.join}
         self._lost = frozenset(record.lost - waiting)
         end = record.truth.time + self._period
