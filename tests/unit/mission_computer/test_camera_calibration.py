@@ -29,6 +29,19 @@ def test_marks_are_found_in_strongly_uneven_light() -> None:
     assert_allclose(found, uneven.optics.project(FLOOR), atol=0.3)
 
 
+@pytest.mark.parametrize("gap_px", [7, 8, 9])
+def test_a_black_cover_right_beside_a_mark_does_not_shift_it(gap_px: int) -> None:
+    undisturbed, image = find_marks(picture().pixels), picture()
+    assert undisturbed is not None
+    column, row = undisturbed[0].round().astype(int)
+    image.pixels[row - 20 : row + 21, column + gap_px : column + 28] = 10
+
+    found = find_marks(image.pixels)
+
+    assert found is not None
+    assert_allclose(found, undisturbed, atol=0.1)
+
+
 @pytest.mark.parametrize("side", ["left", "top"])
 def test_without_all_marks_there_is_no_view(side: str) -> None:
     pixels = picture().pixels

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from table_top import AWAY, BLUE, GREEN, MARKERS, PINK, RED, STARTS, YAWS, YELLOW, camera, localizer, moved, picture
 
+from mission_computer.vision.calibration import find_marks
 from mission_computer.vision.camera_localizer import CameraLocalizer
 from mission_computer.vision.config import VisionConfig
 from swarm_msgs_py.errors import ConfigError
@@ -243,6 +244,24 @@ def test_marks_that_are_hidden_for_a_while_change_nothing() -> None:
     assert report.note == ""
     assert_true(report, STARTS)
     assert len(report.fixes) == 5
+
+
+def test_a_mark_that_shows_in_part_is_no_push_of_the_camera() -> None:
+    eyes = localizer(recheck_frames=1, moved_px=0.4)
+    eyes.locate(picture(), camera().info)
+    before, undisturbed = eyes.calibration, find_marks(picture().pixels)
+    assert undisturbed is not None
+    image = picture()
+    column, row = undisturbed[0].round().astype(int)
+    image.pixels[row - 12 : row + 13, column + 4 : column + 6] = 195  # the rim of the mark looks like the floor
+
+    view = find_marks(image.pixels)
+    report = eyes.locate(image, camera().info)
+
+    assert view is not None
+    assert (np.abs(view - undisturbed).max(axis=1) > 0.4).tolist() == [True, False, False, False]
+    assert report.note == ""
+    assert eyes.calibration is before
 
 
 def test_an_image_of_another_size_than_its_camera_is_an_error() -> None:

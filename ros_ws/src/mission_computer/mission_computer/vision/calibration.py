@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from mission_computer.vision.light import linear_light
 from swarm_msgs_py.markers import FloorMarks
@@ -118,7 +119,7 @@ def find_marks(pixels: ImageArray) -> FloatArray | None:
     dark = cv2.adaptiveThreshold(
         gray, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, MARK_CONTRAST_CODES
     )
-    _, _, stats, middles = cv2.connectedComponentsWithStats(dark)
+    _, labels, stats, middles = cv2.connectedComponentsWithStats(dark)
     height, width = gray.shape
     left, top, wide, high, area = (stats[:, column].astype(np.float64) for column in range(5))
     fill, aspect = area / (wide * high), np.maximum(wide / high, high / wide)
@@ -136,7 +137,8 @@ def find_marks(pixels: ImageArray) -> FloatArray | None:
     chosen = candidates[apart.argmin(axis=1)]
     if len(set(chosen.tolist())) < 4 or area[chosen].max() > MARK_SPREAD * area[chosen].min():
         return None
-    return np.stack([_refined(np.asarray(gray, dtype=np.uint8), *stats[row, :4].tolist()) for row in chosen])
+    light, parts = linear_light(np.asarray(gray, dtype=np.uint8)), np.asarray(labels, dtype=np.int32)
+    return np.stack([_middle(light, parts, row, stats[row]) for row in chosen.tolist()])
 
 
 def calibrate(marks_px: FloatArray, info: CameraInfo, marks: FloorMarks) -> Calibration | None:
@@ -168,14 +170,33 @@ def _floats(array: object) -> FloatArray:
     return np.asarray(array, dtype=np.float64)
 
 
-def _refined(gray: ImageArray, left: int, top: int, wide: int, high: int) -> FloatArray:
-    """Return the middle (2,) of a dark disc on a light floor: centroid of the light that it takes away [pixels]."""
-    pad = MARK_MARGIN_PX
-    light = linear_light(gray[top - pad : top + high + pad, left - pad : left + wide + pad])
+def _middle(image: NDArray[np.float32], labels: NDArray[np.int32], mark: int, stats: NDArray[np.int32]) -> FloatArray:
+    """Return the middle (2,) of a dark disc on a light floor: centroid of the light that it takes away [pixels].
+
+    A robot's black cover may stand right beside the mark; the light that it takes away does not count.
+
+    Parameters
+    ----------
+    image : (h, w) array
+        Linear light, 0 to 1.
+    labels : (h, w) array
+        Which dark part a pixel belongs to; 0 is the floor.
+    mark : int
+        Label of the disc.
+    stats : (5,) array
+        Left, top, width, height and area of the disc [pixels].
+    """
+    left, top, wide, high = stats[:4].tolist()
+    rows, columns = np.mgrid[
+        top - MARK_MARGIN_PX : top + high + MARK_MARGIN_PX, left - MARK_MARGIN_PX : left + wide + MARK_MARGIN_PX
+    ]
+    light = image[rows, columns]
     rim = np.concatenate([light[0], light[-1], light[:, 0], light[:, -1]])
     floor, core = float(np.median(rim)), float(np.percentile(light, 5.0))
     taken = np.clip((floor - light) / (floor - core), 0.0, 1.0)
     taken[taken < 0.1] = 0.0  # the grain of the floor is no part of the mark
-    rows, columns = np.mgrid[top - pad : top + high + pad, left - pad : left + wide + pad]
+    near = labels[rows, columns]
+    others = ((near != 0) & (near != mark)).astype(np.uint8)
+    taken[cv2.dilate(others, np.ones((3, 3), dtype=np.uint8)) > 0] = 0.0
     middle: FloatArray = np.array([(taken * columns).sum(), (taken * rows).sum()]) / float(taken.sum())
     return middle

@@ -26,7 +26,7 @@ class VisionConfig(Config):
     )
     moved_px: float = setting(
         1.5,
-        "a mark that is farther than this from where it was says that the camera has moved",
+        "the camera has moved when three of the marks are farther than this from where they were",
         unit="pixels",
         above=0.0,
     )
