@@ -141,3 +141,16 @@ def run_of_points(robots: int = 30, ticks: int = 10) -> RunRecord:
     surface = 6.0 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
     kept = {name: full.arrays[name] for name in ("time", "position", "tick_time", "alive", "mode")}
     return RunRecord(full.metrics, full.scenario, {**kept, "surface_points": surface, "link_range": np.array(4.0)})
+
+
+def run_of_shapes(robots: int = 5, ticks: int = 12) -> RunRecord:
+    """Return a run in space whose shape moves up, and becomes another one half way, far to the right."""
+    full = run_of_points(robots, ticks)
+    first = full.arrays["surface_points"]
+    shift = np.linspace(0.0, 6.0, ticks)[:, None] * np.array([0.0, 0.0, 1.0])
+    more = {
+        "surfaces": np.stack([first, first + 100.0]),
+        "surface_tick": np.array([0, ticks // 2]),
+        "surface_shift": shift,
+    }
+    return RunRecord(full.metrics, full.scenario, {**full.arrays, **more})

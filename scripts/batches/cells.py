@@ -8,10 +8,25 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from batches.turns import turned
+from bringup.family import Family
 from bringup.resolution import written_out
 from bringup.scenario import Scenario
-from bringup.scenario_file import Origin, Override, dump_scenario, load_scenario, method_overrides, shape_override
+from bringup.scenario_file import (
+    Origin,
+    Override,
+    dump_scenario,
+    load_any,
+    load_scenario,
+    method_overrides,
+    shape_override,
+)
 from swarm_msgs_py.errors import ConfigError
+
+STUDIES = {
+    Family.COVERAGE: "scripts/coverage_study.py",
+    Family.ASSEMBLY: "benchmarks/assembly_maps.py and benchmarks/assembly_pool.py",
+}
+"""What compares the other families over many seeds."""
 
 OBJECTIVE, BACKEND = "agent.decision.objective", "sim.physics.backend"
 BLOCK = 10
@@ -142,6 +157,8 @@ def cells(design: Design) -> tuple[Cell, ...]:
     ConfigError
         If one cannot be, or two could not be told apart by name.
     """
+    for source in design.scenarios:
+        _check_family(source)
     found: dict[tuple[str, ...], Cell] = {}
     choices = product(*map(_choices, (design.shapes, design.methods, design.objectives)))
     for source, (shape, method, objective) in product(design.scenarios, choices):
@@ -165,6 +182,20 @@ def named_apart(cells_: Iterable[Cell]) -> tuple[Cell, ...]:
 def _choices(names: Sequence[str]) -> Sequence[str | None]:
     """Return what to choose from; None is what the scenario says."""
     return names or (None,)
+
+
+def _check_family(source: str) -> None:
+    """Refuse scenarios that batches cannot compare; before anything else is said of them.
+
+    Raises
+    ------
+    ConfigError
+        Naming what compares them.
+    """
+    scenario, _ = load_any(source, ())
+    if scenario.family is not Family.FORMATION:
+        study = STUDIES[scenario.family]
+        raise ConfigError(f"--scenario {source}: batches compare formations; for {scenario.family.value} use {study}")
 
 
 def _cell(design: Design, source: str, shape: str | None, method: str | None, objective: str | None) -> Cell:

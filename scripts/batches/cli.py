@@ -20,6 +20,7 @@ from batches.runs_table import runs_parquet
 from batches.tables import NAMING, SHORT_HEADER, as_csv, as_markdown, short_rows
 from bringup.installation import check_physics
 from bringup.interruption import Interruption
+from bringup.option_types import complain
 from bringup.resolution import resolve
 from bringup.steady_stream import steady
 from studies.campaign import Record, ResultFile, completed
@@ -37,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _batch(parse_arguments(sys.argv[1:] if argv is None else argv), interruption)
         except SwarmError as error:
-            print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
+            complain(error)
             return BAD_INPUT if isinstance(error, ConfigError | ShapeError | PhysicsError) else FAILED
         except KeyboardInterrupt:
             print("interrupted before the start; nothing was written", file=steady(sys.stderr))

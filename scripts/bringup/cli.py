@@ -23,6 +23,7 @@ from bringup.family import AnyScenario
 from bringup.filming import FILM, FilmOrder
 from bringup.inprocess import InProcessEngine
 from bringup.interruption import Interruption
+from bringup.option_types import complain
 from bringup.progress import Onlooker, Progress, print_summary
 from bringup.run import Run, execute, metrics_text, write_results
 from bringup.run_folder import RunFolder, reserve_default
@@ -46,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             with _output(arguments.json) as (stdout, console):
                 return _run(arguments, interruption, stdout, console)
         except SwarmError as error:
-            print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
+            complain(error)
             return BAD_INPUT if isinstance(error, WRONG_INPUT) else NOT_ACHIEVED
         except KeyboardInterrupt:
             print("interrupted before the start; nothing was written", file=steady(sys.stderr))
@@ -84,7 +85,7 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
             for note in engine.notes:
                 progress.say(note)
         try:
-            metrics = write_results(run, ended, interruption)
+            metrics = write_results(run, ended, interruption, progress.say)
         except OSError as error:
             print(f"error: {folder.path}: results could not be written ({error.strerror})", file=steady(sys.stderr))
             return INTERRUPTED if interruption.requested else NOT_ACHIEVED

@@ -31,7 +31,7 @@ from foxglove.messages import (
 
 from bringup.engine import TickRecord
 from bringup.scene import Rgb, RobotView, Scene, Scenes
-from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.types import FloatArray, robot_name
 
 HOST = "127.0.0.1"
@@ -97,9 +97,15 @@ class LiveView:
         return f"ws://{HOST}:{self._server.port}" if self._server is not None else ""
 
     def take(self, record: TickRecord[Any, Any]) -> None:
-        """Take in one tick, and show it if there has not just been a picture."""
+        """Take in one tick, and show it if there has not just been a picture.
+
+        Raises
+        ------
+        SwarmError
+            If it cannot be served after all: somebody was faster to take the port.
+        """
         if self._server is None:
-            self._server = foxglove.start_server(name=self._name, host=HOST, port=self._port, context=self._context)
+            self._server = self._serve()
         scene = self._scenes.take(record)
         now = time.monotonic()
         if now < self._due:
@@ -109,6 +115,12 @@ class LiveView:
         self._scene.log(SceneUpdate(entities=self._entities(scene)), log_time=stamp)
         told = {"time_s": record.truth.time, "robots": [self._told(view) for view in scene.robots]}
         self._robots.log(json.dumps(told), log_time=stamp)
+
+    def _serve(self) -> foxglove.websocket.WebSocketServer:
+        try:
+            return foxglove.start_server(name=self._name, host=HOST, port=self._port, context=self._context)
+        except (RuntimeError, OSError) as error:
+            raise SwarmError(f"--live {self._port}: cannot be served any more ({error})") from None
 
     def _entities(self, scene: Scene) -> list[SceneEntity]:
         robots = [self._robot(*each) for each in zip(scene.positions, self._scenes.radii, scene.robots, strict=True)]

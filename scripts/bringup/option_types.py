@@ -6,11 +6,13 @@ import argparse
 import difflib
 import math
 import re
+import sys
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 from typing import NoReturn
 
+from bringup.steady_stream import steady
 from swarm_msgs_py.errors import ConfigError
 
 
@@ -31,6 +33,11 @@ class OneLineParser(argparse.ArgumentParser):
             remedy = f"did you mean '{near[0]}'?" if near else "see --help for all options"
             raise ConfigError(f"{match[1]}: unknown option; {remedy}")
         raise ConfigError(message.removeprefix("argument ").replace("\n", " "))
+
+
+def complain(error: Exception) -> None:
+    """Tell the operator what is wrong, in one line."""
+    print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
 
 
 def whole(minimum: int, maximum: int) -> Callable[[str], int]:

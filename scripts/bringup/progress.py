@@ -14,6 +14,7 @@ from rich.text import Text
 from bringup.dashboard import Dashboard
 from bringup.engine import TickRecord
 from bringup.family import Metrics
+from swarm_msgs_py.errors import SwarmError
 
 REFRESH_S = 0.2  # of the live line, wall time
 PLAIN_S = 5.0  # between two lines where there is no terminal, wall time
@@ -23,7 +24,13 @@ class Onlooker(Protocol):
     """Whoever else is to see a run while it goes on."""
 
     def take(self, record: TickRecord[Any, Any]) -> None:
-        """Take in one tick."""
+        """Take in one tick.
+
+        Raises
+        ------
+        SwarmError
+            If it cannot; the operator is told in a line, and the run goes on without it.
+        """
         ...
 
 
@@ -86,8 +93,7 @@ class Progress:
             self._alert(alert, record.truth.time)
         if self._dashboard is not None:
             self._dashboard.take(record)
-        if self._onlooker is not None:
-            self._onlooker.take(record)
+        self._show_onlooker(record)
         interval = REFRESH_S if self._live is not None else PLAIN_S
         if now - self._shown >= interval:
             self._shown = now
@@ -97,6 +103,15 @@ class Progress:
                 self._live.update(line if board is None else board.render(line, self._console.height))
             else:
                 self._console.print(line)
+
+    def _show_onlooker(self, record: TickRecord[Any, Any]) -> None:
+        if self._onlooker is None:
+            return
+        try:
+            self._onlooker.take(record)
+        except SwarmError as error:
+            self._onlooker = None
+            self._alert(f"{error}; the run goes on without", record.truth.time)
 
     def _alert(self, alert: str, at: float) -> None:
         """Print an alert; one that repeats tick after tick is printed once."""

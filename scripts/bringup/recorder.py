@@ -17,6 +17,7 @@ from swarm_msgs_py.topics import channels_by_topic
 
 PATIENCE_S = 20.0  # without a word from a recorder that everybody waits for
 CLOSE_S = 10.0  # for it to finish the bag: half a second for fifty robots, where there is nothing else to do
+GIVEN_UP_S = 1.0  # the same for one that has hung before
 
 
 class Recorder:
@@ -88,7 +89,7 @@ class Recorder:
         if child is None or child.status is not None or self._account is not None:
             return
         child.link.send(Stop())
-        end = time.monotonic() + CLOSE_S
+        end = time.monotonic() + (GIVEN_UP_S if self._end else CLOSE_S)
         while self._account is None and child.status is None and (left := end - time.monotonic()) > 0.0:
             for sender, message in group.poll(left):
                 if sender is child and message is not None:
@@ -97,7 +98,7 @@ class Recorder:
     def note(self) -> str:
         """Return what came of it, in a line."""
         if self._account is not None:
-            return self._audit.compare(self._account).line()
+            return self._audit.compare(self._account).line()  # also if it has hung, and gone on in the end
         return f"recording: {self._end or 'was not finished'}"
 
     @property

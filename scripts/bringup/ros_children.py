@@ -26,7 +26,10 @@ from bringup.telemetry import (
     WorldTick,
     reason_of,
 )
+from mission_computer.ros.mission_node import NAME as MISSION_NAME
 from mission_computer.ros.mission_node import MissionNode
+from recording.ros.recorder_node import NAME as RECORDER_NAME
+from swarm_agent.ros.agent_node import NAME as AGENT_NAME
 from swarm_agent.ros.agent_node import AgentNode
 from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config
@@ -41,11 +44,14 @@ from swarm_msgs_py.ros.spin import LEAN, is_matched, spin_for, spin_until, start
 from swarm_msgs_py.step_io import MissionOutputs
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.ros.lockstep import Lockstep, PaceConfig, TickResult
+from swarm_sim.ros.world_node import NAME as WORLD_NAME
 from swarm_sim.ros.world_node import WorldNode
 
 MATCH_INTERVAL_S = 0.02
 CREDIT_WAIT_S = 0.05
 ALIVE_INTERVAL_S = 1.0
+OWN = frozenset({WORLD_NAME, MISSION_NAME, AGENT_NAME, RECORDER_NAME})
+"""Names of the nodes whose ears count when a process waits for its partners; somebody may look on, too."""
 LOG_LEVEL = logging.WARNING  # the operator reads the alerts; what goes well is not worth a line from fifty nodes
 """From which level on the cores' log goes to ROS."""
 
@@ -334,7 +340,7 @@ def await_partners(
     link: Link, executor: Any, nodes: list[Any], partners: Partners, is_over: Callable[[], bool]
 ) -> bool:
     """Report that this process is ready as soon as it is; return False if it was stopped before."""
-    while not is_matched(nodes, partners.needed.__contains__, partners.overheard.__contains__):
+    while not is_matched(nodes, partners.needed.__contains__, partners.overheard.__contains__, OWN):
         if is_over():
             return False
         spin_for(executor, MATCH_INTERVAL_S)

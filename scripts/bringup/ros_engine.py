@@ -165,9 +165,8 @@ class RosEngine:
 
     def _let_run(self) -> None:
         """Tell the world how far it may run: some ticks ahead of who reads the records, and of the recorder."""
-        done = (
-            self._recorder.lags(self._read) if self._recorder is not None and not self._pace.real_time else self._read
-        )
+        recorded = self._recorder.lags(self._read) if self._recorder is not None else self._read
+        done = self._read if self._pace.real_time else recorded  # who goes by the wall clock waits for nobody
         if self._world is not None:
             self._world.link.send(RunUntil(done + 1 + TICKS_AHEAD))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import logging
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -23,6 +24,8 @@ from swarm_msgs_py.errors import SwarmError
 
 KEEP_S = 20.0  # least wall time between two saves of a run that goes on
 KEEP_SHARE = 0.03  # of the wall time that saving may take
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,15 +162,33 @@ def _watch(run: Run, engine: Engine, progress: Progress, journal: Journal) -> Ve
     return Verdict(False, "the engine ended before the run did; see the alerts for why")
 
 
-def write_results(run: Run, ended: Ended, interruption: Interruption) -> Metrics:
-    """Write what a run left behind, the most important first; after an interruption no picture is drawn."""
+def write_results(run: Run, ended: Ended, interruption: Interruption, warn: Callable[[str], None]) -> Metrics:
+    """Write what a run left behind, the most important first; after an interruption no picture is drawn.
+
+    Report and figure only show what the other files hold: if one cannot be made, the run has lost nothing, and `warn`
+    is told so in a line.
+
+    Raises
+    ------
+    OSError
+        If the disk does not take the results.
+    """
     run.write_scenario()
     metrics, arrays = run.write_record(ended.verdict, ended.timing)
     record = RunRecord(dict(metrics.values), dump_scenario(run.scenario), arrays)
-    run.folder.write("report.html", report_page(record))
     try:
+        _draw(run, "report.html", lambda: report_page(record), warn)
         with interruption.welcome():
-            run.folder.write("figure.png", run.account.figure(metrics))
+            _draw(run, "figure.png", lambda: run.account.figure(metrics), warn)
     except KeyboardInterrupt:
         pass
     return metrics
+
+
+def _draw(run: Run, name: str, make: Callable[[], bytes], warn: Callable[[str], None]) -> None:
+    try:
+        run.folder.write(name, make())
+    except Exception as error:  # whatever is wrong with a picture, the numbers are there
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        logger.debug("%s could not be made", name, exc_info=True)
+        warn(f"{run.folder.path / name}: could not be made ({reason}); all other results are there")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from bringup.formation_kind import METHODS
 from bringup.layout import walls
-from bringup.option_types import OneLineParser, choice, whole
+from bringup.option_types import OneLineParser, choice, complain, whole
 from bringup.resolution import with_map
 from bringup.scenario import Scenario
 from bringup.scenario_file import (
@@ -41,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if given.out is not None:
             given.out.write_bytes(preview_figure(preview, walls(with_map(scenario)), given.out.suffix.lower()))
     except SwarmError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return BAD_INPUT
     except OSError as error:
         print(f"error: {error.filename}: cannot be written ({error.strerror}); choose another --out", file=sys.stderr)

@@ -8,6 +8,7 @@ from typing import Any
 
 from bringup.engine import TickRecord
 from recording.taking import Account
+from recording.tick_ranges import TickRanges
 from swarm_msgs_py.plan_course import Course
 from swarm_msgs_py.topics import (
     CAMERA_VIEW,
@@ -70,7 +71,7 @@ class Audit:
 
     def __init__(self, shown: tuple[Channel, ...] = ROBOT_VIEWS) -> None:
         self._shown = shown
-        self._due: dict[str, set[int]] = {}
+        self._due: dict[str, TickRanges] = {}
         self._course = Course()
 
     def expect(self, record: TickRecord[Any, Any]) -> None:
@@ -94,17 +95,18 @@ class Audit:
 
     def compare(self, account: Account) -> Finding:
         """Return what is missing in a recording of the ticks so far."""
-        last = max(self._due.get(CLOCK.topic(), ()), default=-1)
-        due = {topic: set(ticks) for topic, ticks in self._due.items()}
+        nothing = TickRanges()
+        last = self._due.get(CLOCK.topic(), nothing).last
+        due = dict(self._due)
         for topic, ticks in account.promised.items():
-            due.setdefault(topic, set()).update(tick for tick in ticks if tick <= last)
-        missing = {topic: len(ticks.difference(account.taken.get(topic, ()))) for topic, ticks in sorted(due.items())}
+            due[topic] = due.get(topic, nothing).with_all(ticks.up_to(last))
+        missing = {topic: ticks.count_without(account.taken.get(topic, nothing)) for topic, ticks in due.items()}
         return Finding(
             messages=account.messages,
-            topics=sum(1 for ticks in account.taken.values() if ticks),
+            topics=sum(1 for ticks in account.taken.values() if len(ticks)),
             expected=sum(map(len, due.values())),
-            missing={topic: count for topic, count in missing.items() if count},
+            missing={topic: count for topic, count in sorted(missing.items()) if count},
         )
 
     def _add(self, channel: Channel, tick: int, node: NodeId | None = None) -> None:
-        self._due.setdefault(channel.topic(node), set()).add(tick)
+        self._due.setdefault(channel.topic(node), TickRanges()).add(tick)

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from tempfile import TemporaryDirectory
 
 from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, ReaderError, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from recording import FOLDER
+from recording.rescue import VERSION, rescue
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.ros.cdr import NANO
 from swarm_msgs_py.topics import Channel, Delivery
 
-VERSION: Final = 9  # of the bag's metadata: what ROS 2 Jazzy writes
+METADATA, SUFFIX = "metadata.yaml", ".mcap"
+Timed = tuple[float, str, bytes]
+"""Time of a message [s], its topic and its bytes."""
 _NEVER = QosTime(0, 0)
 _LATCHED = Qos(
     history=QosHistory.KEEP_LAST,
@@ -103,10 +106,17 @@ class BagTopic:
 
 
 class BagReader:
-    """An open bag; made by `opened`."""
+    """An open bag; made by `opened`.
 
-    def __init__(self, reader: Reader) -> None:
+    Attributes
+    ----------
+    is_unfinished : bool
+        Whether the recording was cut off, so that what came last is not in it.
+    """
+
+    def __init__(self, reader: Reader, *, is_unfinished: bool = False) -> None:
         self._reader = reader
+        self.is_unfinished = is_unfinished
 
     @property
     def duration_s(self) -> float:
@@ -123,19 +133,26 @@ class BagReader:
         ]
         return tuple(sorted(found, key=lambda topic: topic.name))
 
-    def messages(
-        self, wanted: frozenset[str] | None = None, start_s: float = 0.0
-    ) -> Iterator[tuple[float, str, bytes]]:
-        """Yield time after the beginning of the bag [s], topic and bytes of messages, in order of time."""
+    def messages(self, wanted: frozenset[str] | None = None, start_s: float = 0.0) -> Iterator[Timed]:
+        """Yield time after the beginning of the bag [s], topic and bytes of messages, in order of time.
+
+        What is latched reaches also those who come later: its last message from before the start comes first, at the
+        time of the start.
+        """
         chosen = [c for c in self._reader.connections if wanted is None or c.topic in wanted]
-        begin = self._reader.start_time
-        for connection, stamp, data in self._reader.messages(chosen, start=begin + round(start_s * NANO)):
-            yield (stamp - begin) / NANO, connection.topic, bytes(data)
+        begin, start = self._reader.start_time, self._reader.start_time + round(start_s * NANO)
+        latched = [connection for connection in chosen if _is_latched(connection)]
+        if latched and start > begin:
+            last = {connection.topic: data for connection, _, data in self._reader.messages(latched, stop=start)}
+            yield from ((start_s, topic, bytes(data)) for topic, data in sorted(last.items()))
+        if chosen:  # rosbags takes none for all
+            for connection, stamp, data in self._reader.messages(chosen, start=start):
+                yield (stamp - begin) / NANO, connection.topic, bytes(data)
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[BagReader]:
-    """Open a bag: a run folder that has one, a bag folder, or an MCAP file.
+    """Open a bag: a run folder that has one, a bag folder, or an MCAP file; also an unfinished one.
 
     Raises
     ------
@@ -145,13 +162,34 @@ def opened(path: Path) -> Iterator[BagReader]:
     place = path / FOLDER if (path / FOLDER).is_dir() else path
     if not place.exists():
         raise ConfigError(f"{path}: there is no such file or folder; name a run folder, a bag folder or an .mcap file")
-    if place.is_dir() and not (place / "metadata.yaml").is_file():
-        raise ConfigError(f"{path}: holds no finished recording; launch_swarm.py makes one with --record")
-    try:
-        with Reader(place) as reader:
-            yield BagReader(reader)
-    except (ReaderError, OSError) as error:
-        raise ConfigError(f"{place}: cannot be read as a bag ({error})") from error
+    files = sorted(place.glob(f"*{SUFFIX}")) if place.is_dir() else [place]
+    if not files and not (place / METADATA).is_file():
+        raise ConfigError(f"{path}: holds no recording; launch_swarm.py makes one with --record")
+    with ExitStack() as stack:
+        try:
+            yield _reader(place, files, stack)
+        except (ReaderError, OSError) as error:
+            raise ConfigError(f"{place}: cannot be read as a bag ({error})") from error
+
+
+def _reader(place: Path, files: list[Path], stack: ExitStack) -> BagReader:
+    """Return the reader of a bag, or of what can be read of one that nobody has finished; the stack closes it.
+
+    Raises
+    ------
+    ConfigError, OSError, ReaderError
+        If there is nothing to read.
+    """
+    is_finished = place.is_file() or (place / METADATA).is_file()
+    if is_finished or len(files) == 1:
+        try:
+            return BagReader(stack.enter_context(Reader(place if is_finished else files[0])))
+        except ReaderError:
+            if any(file.suffix != SUFFIX for file in files):
+                raise
+    copy = Path(stack.enter_context(TemporaryDirectory(prefix="swarm-"))) / FOLDER
+    rescue(files, copy)
+    return BagReader(stack.enter_context(Reader(copy)), is_unfinished=True)
 
 
 def _is_latched(connection: Connection) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bringup.domain_guard import DomainGuard, domain_of
-from bringup.option_types import OneLineParser, number
+from bringup.option_types import OneLineParser, complain, number
 from recording.bag import BagReader, BagTopic, opened
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.topics import SINGLE_CHANNELS, Party
@@ -31,6 +31,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         given = parse_arguments(sys.argv[1:] if argv is None else argv)
         with opened(given.bag) as bag:
             chosen = _chosen(bag, given.topic)
+            if given.start > bag.duration_s:
+                raise ConfigError(
+                    f"--start {given.start:g}: the recording ends after {bag.duration_s:g} s; begin earlier"
+                )
             if importlib.util.find_spec("rclpy") is None:
                 raise ConfigError("rclpy is not installed; run `make`, or source ROS 2")
             guard = DomainGuard(domain_of(os.environ))
@@ -39,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except SwarmError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return BAD_INPUT
     finally:
         if guard is not None:
@@ -107,7 +111,8 @@ def _play(bag: BagReader, chosen: tuple[BagTopic, ...], given: argparse.Namespac
                 spin.spin_for(executor, min(left, spin.SLICE_S))  # in slices, so that Ctrl-C is heard
 
         names = frozenset(topic.name for topic in chosen)
-        print(f"{given.bag}: {len(names)} topics, {bag.duration_s:g} s", flush=True)
+        cut = "; unfinished: cut off there, its recorder was killed" if bag.is_unfinished else ""
+        print(f"{given.bag}: {len(names)} topics, {bag.duration_s:g} s{cut}", flush=True)
         if not player.await_listeners(given.wait, spin_for):
             print("nobody listens yet", flush=True)
         count = player.play(bag.messages(names, given.start), node.Pace(given.rate or math.inf), spin_for)

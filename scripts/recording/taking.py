@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from recording.stamps import time_of
+from recording.tick_ranges import TickRanges
 from swarm_msgs_py.errors import SwarmError
 from swarm_msgs_py.ros import convert
 from swarm_msgs_py.topics import (
@@ -47,26 +47,24 @@ class Sink(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Account:
     """What a recording holds.
 
     Attributes
     ----------
-    taken : mapping of str to array of int
-        By topic, the tick of every message.
-    promised : mapping of str to array of int
+    taken : mapping of str to TickRanges
+        By topic, the ticks of which there are messages.
+    promised : mapping of str to TickRanges
         By topic, the ticks in which a robot was told that there is a message for it: radio batches say so of the
         readings beside them.
+    messages : int
+        How many messages there are.
     """
 
-    taken: Mapping[str, array[int]] = field(default_factory=dict)
-    promised: Mapping[str, array[int]] = field(default_factory=dict)
-
-    @property
-    def messages(self) -> int:
-        """How many messages there are."""
-        return sum(map(len, self.taken.values()))
+    taken: Mapping[str, TickRanges] = field(default_factory=dict)
+    promised: Mapping[str, TickRanges] = field(default_factory=dict)
+    messages: int = 0
 
 
 class Taking:
@@ -90,7 +88,7 @@ class Taking:
     def __init__(self, sink: Sink, channels: Mapping[str, Channel], period_s: float) -> None:
         self._sink, self._channels, self._period = sink, channels, period_s
         self._time = 0.0
-        self.account = Account({topic: array("q") for topic in channels}, {topic: array("q") for topic in channels})
+        self.account = Account({topic: TickRanges() for topic in channels}, {topic: TickRanges() for topic in channels})
         self.tick = -1
 
     def take(self, topic: str, data: bytes) -> None:
@@ -114,7 +112,8 @@ class Taking:
             self._time, self.tick = max(self._time, time), max(self.tick, tick)
         elif channel is RADIO_RX and stated is not None:
             self._note_promises(topic, data, tick)
-        self.account.taken[topic].append(tick)
+        self.account.taken[topic].add(tick)
+        self.account.messages += 1
         self._sink.write(topic, time, data)
 
     def _is_of_this_run(self, stated: float) -> bool:
@@ -124,4 +123,4 @@ class Taking:
         flags, node = convert.decode_frames(data).flags, topic.split("/")[1]
         for part, channel in CHANNEL_OF_PART.items():
             if flags & part:
-                self.account.promised[channel.template.format(node=node)].append(tick)
+                self.account.promised[channel.template.format(node=node)].add(tick)

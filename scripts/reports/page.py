@@ -6,6 +6,7 @@ import html
 import json
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ def report_page(record: RunRecord) -> bytes:
     """
     view = view_of(record)
     metrics = record.metrics
+    data = _page_data(record, view)
     parts = {
         "title": html.escape(f"{metrics.get('scenario', 'run')}, seed {metrics.get('seed', '?')}"),
         "subtitle": html.escape(_subtitle(record)),
@@ -42,7 +44,8 @@ def report_page(record: RunRecord) -> bytes:
         "scenario": html.escape(record.scenario),
         "styles": "\n".join(_asset(name) for name in STYLES),
         "scripts": "\n".join(_asset(name) for name in _script_names(view)),
-        "data": _embedded(_page_data(record, view)),
+        "thinning": html.escape(_thinning(data["replay"]["steps"])),
+        "data": _embedded(data),
     }
     return PLACE.sub(lambda place: parts[place[1]], _asset("report.html")).encode("utf-8")
 
@@ -91,6 +94,14 @@ def _subtitle(record: RunRecord) -> str:
     parts += [f"{metrics['sim_time_s']:g} s"] if metrics.get("sim_time_s") is not None else []
     parts += [" on ".join(str(metrics[key]) for key in ("physics", "engine") if metrics.get(key))]
     return " · ".join(part for part in parts if part)
+
+
+def _thinning(steps: Mapping[str, int]) -> str:
+    """Return what is not shown tick by tick, in a line; nothing where all is."""
+    if not steps:
+        return ""
+    told = ", ".join(f"{name} every {step} ticks" for name, step in steps.items())
+    return f"A long run, shown coarser than it was, so that this file stays small: {told}. trajectories.npz has it all."
 
 
 def _metrics_table(record: RunRecord) -> str:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from bringup.option_types import OneLineParser, folder, number, whole
+from bringup.option_types import OneLineParser, complain, folder, number, whole
 from reports.figures import DPI, encoded, figure_names, make_figure
 from reports.page import report_page
 from reports.run_record import RunRecord
@@ -30,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _write(path, record, given)
             print(path)
     except SwarmError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return BAD_INPUT
     return OK
 

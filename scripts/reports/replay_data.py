@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from reports.packing import packed, packed_whole
 from reports.run_record import PointSets, RunRecord
+from reports.thinning import thinned, thinned_pairs
 from swarm_msgs_py.types import MISSION, FloatArray, IntArray, robot_name
 
 STEP_M = 0.005  # resolution of positions at most: a tenth of a pixel in an arena of fifty meters
 STEP_SHARE = 0.01  # and no coarser than this share of the smallest radius
 STEP_RAD = 0.01
-ROBOT_FRAMES_MAX = 250_000  # frames times robots; longer runs of larger swarms are shown with fewer frames
+ROBOT_FRAMES_MAX = 120_000  # frames times robots; longer runs of larger swarms are shown with fewer frames
+POINTS_MAX = 60_000  # of all paths together, and of shapes and goals; of longer runs, fewer changes of them are shown
+PAIR_CHANGES_MAX = 100_000  # the same for links and docks
+ALERTS_MAX = 1000
 ELLIPSE_SIGMAS = 2.0  # of the error ellipses: in two dimensions, 86 % of the errors of an honest robot are inside
 
 
@@ -25,6 +30,10 @@ def replay_data(record: RunRecord) -> dict[str, Any]:
     Times are in frames of the replay: the start of every tick, or of every k-th in large runs, and the end.
     """
     chosen = frame_rows(record)
+    paths = record.paths()
+    told = {"shape": [record.point_sets("shape")], "goals": [record.point_sets("goals")], "paths": [*paths.values()]}
+    changes = {name: _changes(sets, chosen) for name, sets in told.items()}
+    pairs = {name: _pair_changes(record, name, chosen) for name in ("link", "dock")}
     times, positions = record.edge_times[chosen], record.edge_positions[chosen]
     step_m = min(STEP_M, STEP_SHARE * float(record.radii.min(initial=np.inf)))
     data: dict[str, Any] = {
@@ -34,12 +43,13 @@ def replay_data(record: RunRecord) -> dict[str, Any]:
         "position": packed(positions, step_m),
         "modes": list(record.mode_names),
         "obstacles": [corners.round(3).tolist() for corners in record.obstacles()],
-        "shape": _changes(record.point_sets("shape"), chosen),
-        "goals": _changes(record.point_sets("goals"), chosen),
-        "paths": [_changes(sets, chosen) for _, sets in sorted(record.paths().items())],
-        "alerts": _alerts(record, chosen),
-        "links": _pair_changes(record, "link", chosen),
-        "docks": _pair_changes(record, "dock", chosen),
+        "shape": changes["shape"].sets[0],
+        "goals": changes["goals"].sets[0],
+        "paths": changes["paths"].sets,
+        "alerts": _alerts(record, chosen)[:ALERTS_MAX],
+        "links": pairs["link"].data if pairs["link"] else None,
+        "docks": pairs["dock"].data if pairs["dock"] else None,
+        "steps": _steps(chosen, {**changes, "links": pairs["link"], "docks": pairs["dock"]}),
     }
     for name in ("robot_type", "carries_sensor"):
         if record.has(name):
@@ -74,9 +84,45 @@ def _frame_of(ticks: IntArray, chosen: IntArray) -> list[int]:
     return np.searchsorted(chosen, ticks).clip(max=max(len(chosen) - 1, 0)).tolist()  # type: ignore[no-any-return]
 
 
-def _changes(sets: PointSets, chosen: IntArray) -> Mapping[str, Any]:
-    points = [points.round(3).tolist() for points in sets.points]
-    return {"frames": _frame_of(sets.ticks, chosen), "points": points}
+@dataclass(frozen=True, slots=True)
+class _Changes:
+    """Sets of points over time, as the JavaScript takes them, and every how many frames they may change."""
+
+    sets: list[Mapping[str, Any]]
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class _PairChanges:
+    """The same of pairs."""
+
+    data: Mapping[str, Any]
+    step: int
+
+
+def _changes(told: Sequence[PointSets], chosen: IntArray) -> _Changes:
+    """Return sets of points that share the room there is."""
+    frames = [np.array(_frame_of(sets.ticks, chosen), dtype=np.int64) for sets in told]
+    sizes = [np.array([len(points) for points in sets.points], dtype=np.int64) for sets in told]
+    things = np.repeat(np.arange(len(told)), [len(sets.points) for sets in told])
+    nothing = np.empty(0, dtype=np.int64)
+    left = thinned(
+        np.concatenate([nothing, *frames]), things, np.concatenate([nothing, *sizes]), POINTS_MAX, len(chosen) - 1
+    )
+    points = [points for sets in told for points in sets.points]
+    shown: list[Mapping[str, Any]] = []
+    for thing in range(len(told)):
+        mine = things[left.rows] == thing
+        kept = [points[row].round(3).tolist() for row in left.rows[mine]]
+        shown.append({"frames": left.frames[mine].tolist(), "points": kept})
+    return _Changes(shown, left.step)
+
+
+def _steps(chosen: IntArray, changes: Mapping[str, _Changes | _PairChanges | None]) -> Mapping[str, int]:
+    """Return every how many ticks robots are shown, and what changes less often, where it is not every tick."""
+    stride = int(chosen[1] - chosen[0]) if len(chosen) > 2 else 1
+    steps = {name: stride * each.step for name, each in changes.items() if each is not None and each.step > 1}
+    return {"robots": stride, **steps} if stride > 1 else steps
 
 
 def _alerts(record: RunRecord, chosen: IntArray) -> list[tuple[int, str]]:
@@ -86,7 +132,7 @@ def _alerts(record: RunRecord, chosen: IntArray) -> list[tuple[int, str]]:
     return list(zip(_frame_of(record.arrays["alert_tick"], chosen), texts, strict=True))
 
 
-def _pair_changes(record: RunRecord, name: str, chosen: IntArray) -> Mapping[str, Any] | None:
+def _pair_changes(record: RunRecord, name: str, chosen: IntArray) -> _PairChanges | None:
     """Return which pairs of nodes came together and parted, (l, 4): frame, two nodes, whether they came together.
 
     Nodes are given by their row, the mission computer after the last robot.
@@ -94,9 +140,11 @@ def _pair_changes(record: RunRecord, name: str, chosen: IntArray) -> Mapping[str
     if not record.has(f"{name}_tick"):
         return None
     row_of = {robot: row for row, robot in enumerate(record.robots)} | {int(MISSION): len(record.robots)}
-    rows = np.vectorize(row_of.__getitem__, otypes=[np.int64])(record.arrays[f"{name}_nodes"])
-    frames = np.array(_frame_of(record.arrays[f"{name}_tick"], chosen), dtype=np.int64)
-    return packed_whole(np.column_stack([frames, rows, record.arrays[f"{name}_up"].astype(np.int64)]))
+    pairs = np.vectorize(row_of.__getitem__, otypes=[np.int64])(record.arrays[f"{name}_nodes"])
+    frames, is_up = np.array(_frame_of(record.arrays[f"{name}_tick"], chosen)), record.arrays[f"{name}_up"].astype(bool)
+    left = thinned_pairs(frames, pairs, is_up, PAIR_CHANGES_MAX, len(chosen) - 1)
+    columns = np.column_stack([left.frames, pairs[left.rows], is_up[left.rows]])
+    return _PairChanges(packed_whole(columns[np.argsort(left.frames, kind="stable")]), left.step)
 
 
 def _ellipses(covariances: FloatArray) -> tuple[FloatArray, FloatArray]:

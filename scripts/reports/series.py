@@ -56,6 +56,8 @@ def charts(record: RunRecord) -> tuple[Chart, ...]:
     if not record.ticks:
         return ()
     makers: tuple[Callable[[RunRecord], Chart | None], ...] = (
+        _covered,
+        _structure,
         _goal_distance,
         _localization,
         _modes,
@@ -92,6 +94,23 @@ def links_by_tick(record: RunRecord) -> Iterator[BoolArray]:
         for a, b in (ends[first:last].T, ends[first:last, ::-1].T):
             linked[a, b] = up[first:last]  # where one changed twice, the last stands
         yield linked
+
+
+def _covered(record: RunRecord) -> Chart | None:
+    if not record.has("covered_share"):
+        return None
+    lines = (Series("by robots at their places", record.arrays["covered_share"]),)
+    return Chart("covered", "Covered share of the shape", "", record.arrays["covered_time"], lines)
+
+
+def _structure(record: RunRecord) -> Chart | None:
+    """Return how a structure of boats grows."""
+    if not record.has("filled") or "dock_tick" not in record.arrays:
+        return None
+    counts = np.concatenate([[0], np.cumsum(np.where(record.arrays["dock_up"], 1, -1))])
+    docks = counts[np.searchsorted(record.arrays["dock_tick"], np.arange(record.ticks), side="right")]
+    lines = (Series("places filled", record.arrays["filled"].astype(np.float64)), Series("docks", docks.astype(float)))
+    return Chart("structure", "Structure", "", record.arrays["tick_time"], lines)
 
 
 def _goal_distance(record: RunRecord) -> Chart | None:

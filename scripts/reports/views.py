@@ -4,10 +4,11 @@ A view is a JavaScript class in ``page/<name>_view.js`` and, here, a function th
 replay's frames. The page shows the view that `view_of` chooses.
 
 A family that stores positions with three coordinates is shown in space. What it is to cover may be stored as edges,
-``wireframe_edges`` (e, 2, 3), or as points on its surface, ``surface_points`` (k, 3); and instead of the changes of
-radio links how far a radio reaches, ``link_range`` (). One whose robots are squares on a lattice stores ``cell_size``
-() and ``target_cells`` (c, 2), the centers of the wanted structure, and what is docked as changes, like radio links:
-``dock_tick``, ``dock_up`` (l,) and ``dock_nodes`` (l, 2).
+``wireframe_edges`` (e, 2, 3), or as points on its surface, ``surface_points`` (k, 3); where it changes, as ``surfaces``
+(s, k, 3) with ``surface_tick`` (s,), and how far it has moved since, ``surface_shift`` (t, 3); and instead of the
+changes of radio links how far a radio reaches, ``link_range`` (). One whose robots are squares on a lattice stores
+``cell_size`` () and ``target_cells`` (c, 2), the centers of the wanted structure, and what is docked as changes, like
+radio links: ``dock_tick``, ``dock_up`` (l,) and ``dock_nodes`` (l, 2).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from reports.packing import packed
+from reports.replay_data import frame_rows
 from reports.run_record import RunRecord
 
 SURFACE_POINTS_MAX = 3000
@@ -57,12 +59,30 @@ def _is_spatial(record: RunRecord) -> bool:
 def _space(record: RunRecord) -> Mapping[str, Any]:
     edges = record.arrays.get("wireframe_edges", np.empty((0, 2, 3)))
     data: dict[str, Any] = {"edges": edges.round(3).tolist()}
-    if record.has("surface_points"):
-        points = record.arrays["surface_points"]
-        data["surface"] = packed(points[:: math.ceil(len(points) / SURFACE_POINTS_MAX)], STEP_M)
+    data["surfaces"] = _surfaces(record)
+    if record.has("surface_shift") and record.arrays["surface_shift"].any():
+        data["shift"] = packed(record.edge_states("surface_shift")[frame_rows(record)], STEP_M)
     if "link_range" in record.arrays:
         data["reach"] = float(record.arrays["link_range"])
     return data
+
+
+def _surfaces(record: RunRecord) -> list[Mapping[str, Any]]:
+    """Return points on the surface of each shape, and from which frame on it is shown."""
+    if record.has("surfaces"):
+        found = zip(record.arrays["surface_tick"], record.arrays["surfaces"], strict=True)
+    elif record.has("surface_points"):
+        found = zip([0], [record.arrays["surface_points"]], strict=True)
+    else:
+        return []
+    frames = frame_rows(record)
+    return [
+        {
+            "frame": int(np.searchsorted(frames, tick)),
+            "points": packed(points[:: math.ceil(len(points) / SURFACE_POINTS_MAX)], STEP_M),
+        }
+        for tick, points in found
+    ]
 
 
 def _plane(record: RunRecord) -> Mapping[str, Any]:

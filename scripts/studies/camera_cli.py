@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bringup.interruption import Interruption
-from bringup.option_types import OneLineParser, folder, whole
+from bringup.option_types import OneLineParser, complain, folder, whole
 from bringup.steady_stream import steady
 from studies.camera_runs import Run, perform
 from studies.camera_scores import as_markdown, scores_of, target_rows, total
@@ -90,7 +90,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _study(parse_arguments(sys.argv[1:] if argv is None else argv), interruption)
         except SwarmError as error:
-            print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
+            complain(error)
             return BAD_INPUT if isinstance(error, ConfigError) else FAILED
         except KeyboardInterrupt:
             print("interrupted before the start; nothing was written", file=steady(sys.stderr))

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import importlib.util
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from swarm_msgs_py.extensions import extension_points
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("ros_ws/src", "scripts")
@@ -24,7 +27,7 @@ DIGITS = 12
 
 
 def code_version(root: Path = ROOT, folders: Sequence[str] = FOLDERS) -> str:
-    """Return a fingerprint of all source and data that a simulated run may depend on.
+    """Return a fingerprint of all source and data that a simulated run may depend on, installed extensions included.
 
     Parameters
     ----------
@@ -35,9 +38,37 @@ def code_version(root: Path = ROOT, folders: Sequence[str] = FOLDERS) -> str:
     """
     digest = hashlib.sha256()
     for folder in folders:
-        for path in sorted((root / folder).rglob("*")):
+        for path in _sources(root / folder):
             name = path.relative_to(root).as_posix()
-            if path.suffix in KINDS and path.name not in GENERATED and name not in REPORTING and path.is_file():
-                digest.update(f"{name}\0".encode())
-                digest.update(path.read_bytes())
+            if path.name not in GENERATED and name not in REPORTING:
+                _take(digest, name, path)
+    for point in extension_points():
+        version = point.dist.version if point.dist is not None else ""
+        digest.update(f"{point.group} {point.name} {point.value} {version}\0".encode())
+        package = point.module.partition(".")[0]
+        for place in _places(package):
+            for path in _sources(place):
+                _take(digest, f"{package}/{path.relative_to(place).as_posix()}", path)
     return digest.hexdigest()[:DIGITS]
+
+
+def _take(digest: hashlib._Hash, name: str, path: Path) -> None:
+    digest.update(f"{name}\0".encode())
+    digest.update(path.read_bytes())
+
+
+def _sources(place: Path) -> Iterator[Path]:
+    """Yield the files that count in a folder, or a file that is a module of its own, in a fixed order."""
+    if place.is_file():
+        yield place
+    yield from (path for path in sorted(place.rglob("*")) if path.suffix in KINDS and path.is_file())
+
+
+def _places(package: str) -> list[Path]:
+    """Return the folders of an installed package, or the file of a module, also if it is installed to be edited."""
+    spec = importlib.util.find_spec(package)  # of a whole package: imports nothing
+    if spec is None:
+        return []
+    if spec.submodule_search_locations is not None:
+        return [Path(place) for place in spec.submodule_search_locations]
+    return [Path(spec.origin)] if spec.origin else []

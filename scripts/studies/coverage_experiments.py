@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from bringup.coverage.starts import LEADER
+from bringup.option_types import OneLineParser, complain, number, whole
 from studies.campaign import ResultFile
 from studies.campaign_folder import locked, open_results
 from studies.coverage_growth import GROWTH_HEADER, growth
@@ -193,49 +194,64 @@ def steps(done: Sequence[Trial], sigma: float) -> str:
 
 
 def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
-    """Return what the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Return what the command line asks for.
+
+    Raises
+    ------
+    ConfigError
+        One line that names the option and the remedy.
+    """
+    parser = OneLineParser(prog="coverage_study.py", description=__doc__, allow_abbrev=False)
     parser.add_argument("--experiment", nargs="+", choices=sorted(EXPERIMENTS), default=sorted(EXPERIMENTS))
     parser.add_argument("--rule", choices=[rule.value for rule in Rule], default=Rule.LAYOUT.value)
     parser.add_argument("--expansion", choices=[e.value for e in Expansion], default=Expansion.PREDICTED.value)
-    parser.add_argument("--sigma", type=float, default=1.0, help="process noise per step and axis [m]")
-    parser.add_argument("--offset-sigma", type=float, default=0.0, help="noise per axis of sensed robots [m]")
-    parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--robots", type=int, default=100, help="the leader included")
-    parser.add_argument("--kill", type=float, default=0.0, help="share of the placed followers that die")
+    parser.add_argument("--sigma", type=number(0.0, 1e3), default=1.0, help="process noise per step and axis [m]")
+    parser.add_argument(
+        "--offset-sigma", type=number(0.0, 1e3), default=0.0, help="noise per axis of sensed robots [m]"
+    )
+    parser.add_argument("--seeds", type=whole(1, 10_000), default=20, help="seeds 0 to N - 1")
+    parser.add_argument("--robots", type=whole(1, 10_000), default=100, help="the leader included")
+    parser.add_argument("--kill", type=number(0.0, 1.0), default=0.0, help="share of the placed followers that die")
     parser.add_argument("--drifts", action="store_true", help="noise moves robots at rest as well")
     parser.add_argument("--out", type=Path, help="folder that keeps finished missions; the same command goes on there")
     parser.add_argument("--plan", action="store_true", help="instead: plan places by the rule, without messages")
-    parser.add_argument("--growth", type=float, nargs="+", help="instead: plan places in balls of these radii [m]")
-    parser.add_argument("--missions", type=float, nargs="+", default=(), help="with --growth: whole missions in these")
+    parser.add_argument(
+        "--growth", type=number(1.0, 1e5), nargs="+", help="instead: plan places in balls of these radii [m]"
+    )
+    parser.add_argument(
+        "--missions", type=number(1.0, 1e5), nargs="+", default=(), help="with --growth: whole missions in these"
+    )
     return parser.parse_args(words)
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run what the command line asks for, and print the table; return the exit code."""
-    arguments = parsed(words)
+    """Run what the command line asks for, and print the table; return the exit code (0, 2 or 130)."""
+    try:
+        _run(parsed(words))
+    except ConfigError as error:
+        complain(error)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _run(arguments: argparse.Namespace) -> None:
     if arguments.growth:
         print(GROWTH_HEADER)
         for line in growth(arguments.growth, arguments.missions):
             print(line, flush=True)
-        return 0
-    if arguments.plan:
+    elif arguments.plan:
         print(PLAN_HEADER)
         for name in arguments.experiment:
             config, _ = settings_of(name, Rule(arguments.rule), Expansion.SERIAL, arguments.sigma)
             print(plan_row(name, solid_from(EXPERIMENTS[name][0]), config, arguments.seeds), flush=True)
-        return 0
-    try:
-        if arguments.out is None:
-            _tell(arguments, ResultFile(None, ""))
-        else:
-            results = open_results(arguments.out)
-            with locked(arguments.out):
-                _tell(arguments, results)
-    except ConfigError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    elif arguments.out is None:
+        _tell(arguments, ResultFile(None, ""))
+    else:
+        results = open_results(arguments.out)
+        with locked(arguments.out):
+            _tell(arguments, results)
 
 
 def _tell(arguments: argparse.Namespace, results: ResultFile) -> None:

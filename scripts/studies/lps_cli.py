@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from bringup.interruption import Interruption
+from bringup.option_types import complain
 from bringup.steady_stream import steady
 from studies.campaign import ResultFile, completed
 from studies.campaign_folder import open_results, write_files
@@ -32,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _study(parse_arguments(sys.argv[1:] if argv is None else argv), interruption)
         except SwarmError as error:
-            print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
+            complain(error)
             return BAD_INPUT if isinstance(error, ConfigError | ShapeError) else FAILED
         except KeyboardInterrupt:
             print("interrupted before the start; nothing was written", file=steady(sys.stderr))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from bringup.option_types import OneLineParser, choice, folder, whole
+from bringup.option_types import OneLineParser, choice, complain, folder, whole
 from bringup.steady_stream import steady
 from studies.campaign_folder import write_files
 from studies.campaign_progress import console_on
@@ -39,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _study(sys.argv[1:] if argv is None else argv)
     except SwarmError as error:
-        print(f"error: {' '.join(str(error).split())}", file=steady(sys.stderr))
+        complain(error)
         return BAD_INPUT if isinstance(error, ConfigError) else FAILED
     except KeyboardInterrupt:
         print("interrupted; nothing was written", file=steady(sys.stderr))

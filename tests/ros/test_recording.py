@@ -7,26 +7,32 @@ import signal
 import subprocess
 import sys
 from collections import Counter
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
 import pytest
 from leftovers import is_running, wait_until
+from rclpy.node import Node
+from ros_harness import harness
 from rosbags.highlevel import AnyReader
 from source_tree import ROOT
 from swarms import SmallSwarm
 
+import bringup.recorder
 from bringup.compose import ScenarioActors
 from bringup.engine import Actors
 from bringup.inprocess import InProcessEngine
 from bringup.resolution import resolve
+from bringup.ros_children import OWN
 from bringup.ros_engine import RosEngine
 from bringup.scenario_file import Override, load_scenario
 from recording import FOLDER
 from recording.bag import opened
 from recording.ros.recorder_node import RecorderNode
-from swarm_msgs_py.ros.channels import message_type
-from swarm_msgs_py.ros.spin import spin_for, started
+from swarm_msgs_py import topics
+from swarm_msgs_py.ros.channels import message_type, quality_of
+from swarm_msgs_py.ros.spin import is_matched, spin_for, started
 from swarm_msgs_py.topics import CAMERA_IMAGE, CAMERA_INFO, CAMERA_VIEW, MARKERS, Party, channels_by_topic
 from swarm_msgs_py.types import MISSION, NodeId
 
@@ -120,6 +126,38 @@ def test_a_recorder_that_dies_is_named_and_the_run_goes_on(tmp_path_factory: pyt
     assert later[-1].reports.keys() == {0, 1}
     assert later[-1].lost == frozenset()
     assert "SIGKILL" in engine.notes[0]
+
+
+@pytest.mark.usefixtures("nothing_left")
+def test_in_real_time_nobody_waits_for_a_recorder_that_hangs(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bringup.recorder, "PATIENCE_S", 1.0)
+    path = tmp_path_factory.mktemp("hangs") / FOLDER
+    with RosEngine(SmallSwarm(2), agents_per_process=2, real_time=True, record_to=path) as engine:
+        ticks = engine.ticks()
+        list(islice(ticks, 2))
+        os.kill(next(child.pid for child in engine._group.children if child.name == "recorder"), signal.SIGSTOP)
+        later = list(islice(ticks, 6))
+
+    assert any("the recorder hangs" in line for record in later for line in record.alerts)
+    assert later[-1].reports.keys() == {0, 1}
+    assert "hung" in engine.notes[0]
+
+
+def test_who_looks_on_does_not_stand_in_for_the_recorder() -> None:
+    topic, channel = topics.TRUTH.topic(), topics.TRUTH
+    with harness() as ros:
+        speaker = ros.add(Node("world", context=ros.context))
+        publisher = speaker.create_publisher(message_type(channel.message), topic, quality_of(channel))
+        ros.listen(channel)  # as somebody with a viewer does
+        ros.wait(lambda: publisher.get_subscription_count() > 0, "a viewer")
+        is_heard = partial(is_matched, [speaker], lambda _: False, {topic}.__contains__)
+
+        assert is_heard()
+        assert not is_heard(OWN)
+        ros.add(RecorderNode({topic: channel}, lambda *_: None, context=ros.context))
+        ros.wait(lambda: is_heard(OWN), "the recorder")
 
 
 def test_the_sudden_death_of_the_launcher_leaves_a_finished_bag(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import runpy
 import sys
 import types
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import pytest
 import yaml
@@ -64,6 +64,10 @@ class OpaqueFunction(Recorded):
     """A function that makes actions."""
 
 
+class Shutdown(Recorded):
+    """The end of everything that was launched."""
+
+
 class IncludeLaunchDescription(Recorded):
     """Another launch file."""
 
@@ -78,7 +82,7 @@ class LaunchDescription(Recorded):
 
 STAND_INS: dict[str, tuple[type, ...]] = {
     "launch": (LaunchDescription, type("LaunchContext", (dict,), {})),
-    "launch.actions": (DeclareLaunchArgument, OpaqueFunction, IncludeLaunchDescription),
+    "launch.actions": (DeclareLaunchArgument, OpaqueFunction, IncludeLaunchDescription, Shutdown),
     "launch.substitutions": (LaunchConfiguration,),
     "launch.launch_description_sources": (PythonLaunchDescriptionSource,),
     "launch_ros": (),
@@ -96,20 +100,25 @@ def launch_library(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(sys.modules, name, module)
 
 
-def nodes_of(path: str, given: dict[str, str]) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Yield package, executable and parameters of all nodes that a launch file starts with these arguments."""
+def actions_of(path: str, given: dict[str, str]) -> Iterator[tuple[Node, dict[str, str]]]:
+    """Yield all nodes that a launch file starts with these arguments, with the values of all arguments."""
     description = runpy.run_path(path)["generate_launch_description"]()
     context = dict(given)
     for action in description.arguments[0]:
         if isinstance(action, DeclareLaunchArgument):
             context.setdefault(action.arguments[0], action.named["default_value"])
         elif isinstance(action, IncludeLaunchDescription):
-            yield from nodes_of(action.arguments[0].arguments[0], context)
+            yield from actions_of(action.arguments[0].arguments[0], context)
         else:
             made = action.named["function"](context) if isinstance(action, OpaqueFunction) else [action]
-            for node in made:
-                (parameters,) = node.named["parameters"]
-                yield node.named["package"], node.named["executable"], _valued(parameters, context)
+            yield from ((node, context) for node in made)
+
+
+def nodes_of(path: str, given: dict[str, str]) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield package, executable and parameters of those nodes."""
+    for node, context in actions_of(path, given):
+        (parameters,) = node.named["parameters"]
+        yield node.named["package"], node.named["executable"], _valued(parameters, context)
 
 
 def _valued(parameters: dict[str, Any], context: dict[str, str]) -> dict[str, Any]:
@@ -130,6 +139,13 @@ def settings_of(package: str) -> tuple[type[Config], ...]:
     }[package]
 
 
+def fits(value: object, hint: Any) -> bool:
+    """Return whether a parameter is of the type of its setting; sequences are lists in ROS."""
+    if get_origin(hint) is tuple:
+        return isinstance(value, list) and all(type(part) is get_args(hint)[0] for part in value)
+    return type(value) is hint
+
+
 @pytest.mark.parametrize("name", LAUNCH_FILES)
 def test_launch_files_start_nodes_that_exist_with_parameters_that_they_have(name: str) -> None:
     found = list(nodes_of(str(BRINGUP / "launch" / name), {"counts": "2,1"}))
@@ -141,7 +157,33 @@ def test_launch_files_start_nodes_that_exist_with_parameters_that_they_have(name
         known = {key: hint for kind in settings_of(package) for key, (hint, _) in dotted_keys(kind).items()}
         for key, value in parameters.items():
             assert key in known, f"{package} has no parameter {key}"
-            assert type(value) is (list if isinstance(value, list) else known[key]), key
+            assert fits(value, known[key]), f"{key} is {known[key]}, not {value!r}"
+
+
+@pytest.mark.parametrize(
+    ("value", "hint", "does"),
+    [
+        ([2, 1], tuple[int, ...], True),
+        ([2.0], tuple[int, ...], False),
+        (["2"], tuple[int, ...], False),
+        (2, tuple[int, ...], False),
+        ([2], int, False),
+        (0.5, float, True),
+        (1, float, False),
+        ("1", int, False),
+    ],
+)
+def test_a_list_is_no_number_and_numbers_are_no_text(value: object, hint: Any, does: bool) -> None:
+    assert fits(value, hint) is does
+
+
+def test_everything_ends_with_the_world_or_the_mission_computer_and_goes_on_without_a_robot() -> None:
+    found = [node for node, _ in actions_of(str(BRINGUP / "launch" / "swarm.launch.py"), {"counts": "2"})]
+
+    ends = {node.named["package"]: node.named.get("on_exit") for node in found}
+    assert isinstance(ends["swarm_sim"], Shutdown)
+    assert isinstance(ends["mission_computer"], Shutdown)
+    assert ends["swarm_agent"] is None
 
 
 def test_the_whole_swarm_is_a_world_a_mission_computer_and_every_robot() -> None:

@@ -12,6 +12,7 @@ import pytest
 from rich.console import Console
 from run_folders import FILES, metrics_of
 
+import bringup.run
 import reports.figures
 from bringup.compose import ScenarioActors
 from bringup.engine import TickRecord
@@ -76,7 +77,7 @@ def run(scenario: Scenario, engine: EventfulEngine, folder: Path, interruption: 
         kept = RunFolder(folder)
         whole = Run(scenario, "inprocess", FormationAccount(scenario), kept)
         ended = execute(whole, engine, interruption, progress)
-    return write_results(whole, ended, interruption)
+    return write_results(whole, ended, interruption, progress.say)
 
 
 def test_an_interruption_stops_the_engine_and_keeps_the_metrics_so_far(smoke: Scenario, tmp_path: Path) -> None:
@@ -114,6 +115,22 @@ def test_an_interruption_while_drawing_keeps_everything_but_the_picture(
     assert metrics.achieved
     assert was_requested
     assert sorted(path.name for path in tmp_path.iterdir()) == [name for name in FILES if name != "figure.png"]
+
+
+def test_pictures_that_cannot_be_made_cost_neither_numbers_nor_verdict(
+    smoke: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bringup.run, "report_page", lambda _: 1 / 0)
+    monkeypatch.setattr(reports.figures, "make_figure", lambda *_: int("x"))
+    with Interruption() as interruption:
+        metrics = run(smoke, EventfulEngine(smoke, lambda: None), tmp_path, interruption)
+
+    assert metrics.achieved
+    assert metrics_of(tmp_path)["achieved"] is True
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["metrics.json", "scenario.yaml", "trajectories.npz"]
+    lines = capsys.readouterr().err.splitlines()
+    for name, reason in (("report.html", "ZeroDivisionError: division by zero"), ("figure.png", "ValueError")):
+        assert [line for line in lines if f"{name}: could not be made ({reason}" in line]
 
 
 def test_an_engine_that_gives_up_ends_the_run_with_its_reason(smoke: Scenario, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from run_folders import metrics_of
 from source_tree import ROOT
@@ -58,6 +59,22 @@ def test_the_swarm_forms_its_shape_by_both_methods_of_the_example(installed: Pat
     metrics = metrics_of(out)
     assert metrics["method"] == "sunflower"
     assert (metrics["goals_reached"], metrics["collisions"]) == (12, 0)
+
+
+@pytest.mark.usefixtures("domain_id")
+def test_both_methods_move_robots_as_nodes_just_as_in_one_process(installed: Path, tmp_path: Path) -> None:
+    both = ("--method", "sunflower", "--set", "mission.task=partition", "--set", "decision.strategy=nearest-free")
+    engines = ("inprocess", "ros")
+    for engine in engines:
+        run = scripted(
+            installed, "launch_swarm.py", "--engine", engine, "--physics", "massdamper", *both,
+            "--out", str(tmp_path / engine),
+        )  # fmt: skip
+        assert run.returncode == 0, run.stdout + run.stderr
+
+    alone, nodes = (np.load(tmp_path / engine / "trajectories.npz") for engine in engines)
+    assert metrics_of(tmp_path / "ros")["goals_agreed"] is True  # each robot partitioned by the method of the example
+    assert np.array_equal(alone["position"], nodes["position"])
 
 
 def test_the_preview_knows_the_method_of_the_example(installed: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from chromium import browser
 from PIL import Image
 from playwright.sync_api import Browser, Page
-from recorded_runs import made_run, run_in_space, run_of_points, run_on_lattice
+from recorded_runs import made_run, run_in_space, run_of_points, run_of_shapes, run_on_lattice
 from run_folders import metrics_of, run_in_process
 
 from reports.page import report_page
@@ -347,3 +347,18 @@ def test_the_page_forbids_itself_to_load_anything(open_run: Callable[[RunRecord]
     assert policy.startswith("default-src 'none'")
     data: dict[str, Any] = json.loads(page.locator("#run").text_content() or "")
     assert data["view"] == "plane"
+
+
+def test_a_shape_that_moves_and_becomes_another_one_is_shown_where_it_is(open_run: Callable[[RunRecord], Page]) -> None:
+    run = run_of_shapes()
+    page = open_run(run)
+
+    def middle(frame: float) -> list[float]:
+        script = """(frame) => { const places = window.swarmReport.view.surfaceAt(frame);
+            return [0, 1, 2].map((axis) => places.reduce((sum, place) => sum + place[axis], 0) / places.length); }"""
+        return page.evaluate(script, frame)  # type: ignore[no-any-return]
+
+    surfaces, shift = run.arrays["surfaces"], run.arrays["surface_shift"]
+    assert middle(2) == pytest.approx(surfaces[0].mean(axis=0) + shift[2], abs=0.02)
+    assert middle(2.5) == pytest.approx(surfaces[0].mean(axis=0) + (shift[2] + shift[3]) / 2.0, abs=0.02)
+    assert middle(8) == pytest.approx(surfaces[1].mean(axis=0) + shift[8], abs=0.02)

@@ -52,6 +52,7 @@ class AssemblyAccount:
         self._built_at: float | None = None
         self._notice = ""
         self._modes: list[np.ndarray] = []
+        self._filled: list[int] = []
         self._docks, self._chronicle = PairChanges(), Chronicle()
 
     def take(self, record: AssemblyRecord) -> Verdict | None:
@@ -72,6 +73,7 @@ class AssemblyAccount:
         if np.linalg.norm(truth.ends - truth.positions, axis=1).max() > STILL_M or truth.events:
             self._quiet_since = end
         standing = self.standing()
+        self._filled.append(standing.filled)
         wanted = self._mission.problem.target_count
         if standing.filled == wanted:
             self._built_at = end
@@ -149,6 +151,7 @@ class AssemblyAccount:
             "targets": np.array(self._mission.problem.targets),
             "target_cells": CELL_M * np.array(self._mission.problem.targets, dtype=np.float64).reshape(-1, 2),
             "cell_size": np.array(CELL_M),
+            "filled": np.array(self._filled, dtype=np.int64),
             **self._docks.arrays("dock"),
             **self._chronicle.arrays(),
         }

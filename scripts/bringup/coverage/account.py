@@ -24,6 +24,13 @@ from swarm_sim.points.simulation import PointTruth
 CoverageRecord = TickRecord[PointTruth, CoverageReport]
 """One tick of the coverage family."""
 
+COVERED_TICKS = 5
+"""Between two looks at how much is covered so far, by `COVERED_PROBES` points: for the chart, not for the verdict."""
+
+COVERED_PROBES = 2000
+SURFACE_POINTS = 2000
+"""On each shape, for pictures."""
+
 PROBE_SEED = 0  # of the points by which coverage is measured: the same for all runs, so that methods are comparable
 
 
@@ -41,6 +48,9 @@ class CoverageAccount:
         self._period = scenario.sim.period_s
         self._truths: list[PointTruth] = []
         self._modes: list[np.ndarray] = []
+        self._covered: list[tuple[float, float]] = []  # time [s], share
+        self._probes: list[tuple[int, dict[str, Any], CoverageProbe]] = []  # first tick, shape, and what measures it
+        self._shifts: list[FloatArray] = []
         self._lost: frozenset[NodeId] = frozenset()
         self.covering = Covering(self._period)
         self._events = sorted(scenario.events, key=lambda event: event.at_s)
@@ -54,6 +64,9 @@ class CoverageAccount:
         self._truths.append(record.truth)
         self._chronicle.take(record, map(tuple, record.truth.links.tolist()))
         self._modes.append(reported_modes(record))
+        self._note_shape(record.tick)
+        if record.tick % COVERED_TICKS == 0:
+            self._covered.append((record.truth.time + self._period, self._covered_share()))
         waiting = {NodeId(r) for event in self._events[self._passed :] for r in event.join}
         self._lost = frozenset(record.lost - waiting)
         end = record.truth.time + self._period
@@ -105,7 +118,10 @@ class CoverageAccount:
 
         ``time`` (t + 1,), ``position`` (t + 1, n, 3); ticks: ``tick_time`` (t,), ``alive`` (t, n), ``mode`` (t, n), -1
         where nothing was reported; what its values mean from 0 on, ``mode_names``; ``period`` (); ``link_range`` ();
-        points on the shape where it is in the end, ``surface_points`` (k, 3); and what `Chronicle` tells.
+        points on the shape where it is in the end, ``surface_points`` (k, 3); on every shape where it is at first,
+        ``surfaces`` (s, k, 3), from which tick on it holds, ``surface_tick`` (s,), and how far it has moved,
+        ``surface_shift`` (t, 3); now and then, at ``covered_time`` (c,), which share of it is covered by robots
+        at their places, ``covered_share`` (c,); and what `Chronicle` tells.
         """
         count, truths = self._scenario.robots.count, self._truths
         times = np.array([truth.time for truth in truths])
@@ -121,6 +137,11 @@ class CoverageAccount:
             "period": np.array(self._period),
             "link_range": np.array(self._scenario.agent.range_m),
             "surface_points": self.shape_points(),
+            "surfaces": np.array([probe.surface for _, _, probe in self._probes]).reshape(-1, SURFACE_POINTS, 3),
+            "surface_tick": np.array([tick for tick, _, _ in self._probes], dtype=np.int32),
+            "surface_shift": np.array(self._shifts).reshape(-1, 3),
+            "covered_time": np.array([time for time, _ in self._covered]),
+            "covered_share": np.array([share for _, share in self._covered]),
             **self._chronicle.arrays(),
         }
 
@@ -140,9 +161,28 @@ class CoverageAccount:
         probe = CoverageProbe(solid_from(self._shape), self._scenario.agent.range_m, PROBE_SEED, success.probes)
         return probe.measure(self.covering.positions[holders] - self._shift())
 
+    def _note_shape(self, tick: int) -> None:
+        """Take note of which shape is in force, and where: with nobody at a place, where it was."""
+        shape = self._shape
+        if not self._probes or self._probes[-1][1] is not shape:
+            reach = self._scenario.agent.range_m
+            probe = CoverageProbe(solid_from(shape), reach, PROBE_SEED, COVERED_PROBES, SURFACE_POINTS)
+            self._probes.append((tick, shape, probe))
+        if self.covering.holders or not self._shifts:
+            self._shifts.append(self._shift())
+        else:
+            self._shifts.append(self._shifts[-1])
+
+    def _covered_share(self) -> float:
+        """Return roughly how much of the shape in force the robots at their places cover."""
+        holders = self.covering.holders
+        if not holders:
+            return 0.0
+        return self._probes[-1][2].measure(self.covering.positions[holders] - self._shift()).covered_fraction
+
     def shape_points(self) -> FloatArray:
         """Return points on the surface of the shape, where it is now, (k, 3) [m]."""
-        return CoverageProbe(solid_from(self._shape), 1.0, PROBE_SEED, 10, 2000).surface + self._shift()
+        return CoverageProbe(solid_from(self._shape), 1.0, PROBE_SEED, 10, SURFACE_POINTS).surface + self._shift()
 
     @property
     def _shape(self) -> dict[str, Any]:

@@ -43,8 +43,7 @@ def resolve(scenario: CoverageScenario, origin: Origin) -> CoverageScenario:
             if event.shape is not None:
                 events[number] = replace(event, shape=_written_out(event.shape))
     scenario = replace(scenario, events=tuple(events))
-    with blamed(origin, "events"):
-        _check_events(scenario)
+    _check_events(scenario, origin)
     with blamed(origin, "agent"):
         _check_ranges(scenario)
     with blamed(origin, "robots"):
@@ -65,22 +64,23 @@ def _inlined(data: dict[str, Any], number: int) -> dict[str, Any]:
     return inlined(data, Path.cwd(), f"[{number}]")
 
 
-def _check_events(scenario: CoverageScenario) -> None:
+def _check_events(scenario: CoverageScenario, origin: Origin) -> None:
     count, dead, late = scenario.robots.count, set[int](), set[int]()
     for number, event in enumerate(scenario.events):
-        if event.at_s >= scenario.duration_s:
-            raise ConfigError(
-                f"[{number}].at_s: {event.at_s:g} s is not before the time limit of {scenario.duration_s:g} s; "
-                "lower it, or raise duration_s"
-            )
-        for robot in (*event.kill, *event.join):
-            if robot >= count:
-                raise ConfigError(f"[{number}]: there is no {robot_name(NodeId(robot))}; there are {count} robots")
-        for robots, seen, what in ((event.kill, dead, "killed"), (event.join, late, "let in")):
-            for robot in robots:
-                if robot in seen:
-                    raise ConfigError(f"[{number}]: {robot_name(NodeId(robot))} is {what} twice; remove it once")
-                seen.add(robot)
+        with blamed(origin, f"events[{number}]"):
+            if event.at_s >= scenario.duration_s:
+                raise ConfigError(
+                    f"at_s: {event.at_s:g} s is not before the time limit of {scenario.duration_s:g} s; "
+                    "lower it, or raise duration_s"
+                )
+            for robot in (*event.kill, *event.join):
+                if robot >= count:
+                    raise ConfigError(f"there is no {robot_name(NodeId(robot))}; there are {count} robots")
+            for robots, seen, what in ((event.kill, dead, "killed"), (event.join, late, "let in")):
+                for robot in robots:
+                    if robot in seen:
+                        raise ConfigError(f"{robot_name(NodeId(robot))} is {what} twice; remove it once")
+                    seen.add(robot)
 
 
 def _check_ranges(scenario: CoverageScenario) -> None:

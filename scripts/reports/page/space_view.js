@@ -5,17 +5,18 @@ Swarm.views.space = class {
     this.selected = null;
     this.layers = [
       ["circles", "robots", true],
-      ["shape", "shape", extra.surface || extra.edges.length],
+      ["shape", "shape", extra.surfaces.length || extra.edges.length],
       ["goals", "goals", replay.data.goals.frames.length],
       ["trails", "trails", true],
       ["links", "radio links", replay.links || extra.reach],
     ].filter(([, , isThere]) => isThere); // what a run did not record cannot be switched on
     this.hidden = new Set(["trails"]);
-    this.surface = [];
-    if (extra.surface) {
-      const values = Swarm.unpack(extra.surface);
-      for (let at = 0; at < values.length; at += 3) this.surface.push([values[at], values[at + 1], values[at + 2]]);
-    }
+    this.surfaces = extra.surfaces.map(({ frame, points }) => {
+      const values = Swarm.unpack(points), places = [];
+      for (let at = 0; at < values.length; at += 3) places.push([values[at], values[at + 1], values[at + 2]]);
+      return { frame, places };
+    });
+    this.shifts = extra.shift && Swarm.unpack(extra.shift);
     this.azimuth = -0.6;
     this.elevation = 0.5;
     this.fit(this.arena());
@@ -26,11 +27,26 @@ Swarm.views.space = class {
     for (let frame = 0; frame < this.replay.frames; frame++) {
       for (let robot = 0; robot < this.replay.robots; robot++) grow(this.replay.point("position", frame, robot));
     }
-    [...this.extra.edges.flat(), ...this.surface].forEach(grow);
+    this.extra.edges.flat().forEach(grow);
+    for (const { frame } of this.surfaces) this.surfaceAt(frame).forEach(grow);
+    this.surfaceAt(this.replay.frames - 1).forEach(grow);
   }); }
 
+  // Points on the shape in force, where it is at a frame.
+  surfaceAt(frame) {
+    const shown = this.surfaces.filter((surface) => surface.frame <= frame).pop();
+    if (!shown) return [];
+    if (!this.shifts) return shown.places;
+    const first = Math.floor(frame), share = frame - first;
+    const shift = [0, 1, 2].map((axis) => {
+      const start = this.shifts[3 * first + axis];
+      return share > 0 ? start + share * (this.shifts[3 * (first + 1) + axis] - start) : start;
+    });
+    return shown.places.map((place) => place.map((value, axis) => value + shift[axis]));
+  }
+
   shapeBox(frame) { return this.box((grow) => {
-    [...this.extra.edges.flat(), ...this.surface].forEach(grow);
+    [...this.extra.edges.flat(), ...this.surfaceAt(frame)].forEach(grow);
     for (let robot = 0; robot < this.replay.robots; robot++) grow(this.replay.point("position", frame, robot));
   }); }
 
@@ -89,7 +105,7 @@ Swarm.views.space = class {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     const points = Array.from({ length: this.replay.robots }, (_, robot) => this.replay.point("position", frame, robot));
-    if (this.shows("shape")) this.drawShape();
+    if (this.shows("shape")) this.drawShape(frame);
     if (this.shows("goals")) {
       for (const goal of this.replay.pointsAt(this.replay.data.goals, frame)) {
         if (goal.length === 3) Swarm.marks.cross(context, ...this.project(goal).slice(0, 2), 3, Swarm.color("goal"));
@@ -105,10 +121,10 @@ Swarm.views.space = class {
     this.drawAxes();
   }
 
-  drawShape() {
+  drawShape(frame) {
     this.extra.edges.forEach((edge) => this.line(edge, Swarm.color("shape-edge"), 1, 0.7));
     this.context.globalAlpha = 0.45;
-    for (const point of this.surface) {
+    for (const point of this.surfaceAt(frame)) {
       const [x, y] = this.project(point);
       Swarm.marks.dot(this.context, x, y, 1, Swarm.color("shape-edge"));
     }
@@ -143,7 +159,7 @@ Swarm.views.space = class {
       const closeness = farthest > nearest ? (farthest - depth) / (farthest - nearest) : 1;
       this.context.globalAlpha = 0.5 + 0.5 * closeness;
       Swarm.marks.robot(this.context, x, y, this.radius(robot), {
-        color: Swarm.typeColor(this.replay, robot),
+        color: this.color(robot, frame),
         isAlive: this.replay.isAlive(frame, robot),
         isSelected: robot === this.selected,
         positioning: this.replay.state("positioning", frame, robot) || 0,
@@ -175,12 +191,25 @@ Swarm.views.space = class {
     });
   }
 
+  // Robots of one type are told apart by what they do.
+  color(robot, frame) {
+    const mode = this.replay.state("mode", frame, robot);
+    if (this.replay.data.robot_type || !(mode >= 0)) return Swarm.typeColor(this.replay, robot);
+    return Swarm.TYPE_COLORS[mode % Swarm.TYPE_COLORS.length];
+  }
+
   legend() {
-    const look = { color: Swarm.TYPE_COLORS[0], isAlive: true, positioning: 0 };
-    return [
-      ["robot", (context) => Swarm.marks.robot(context, 13, 9, 5.5, look)],
-      ["radio link", (context) => Swarm.marks.line(context, [[2, 9], [24, 9]], Swarm.color("link"), 1.5, { alpha: 0.5 })],
-      ["shape", (context) => Swarm.marks.line(context, [[2, 9], [24, 9]], Swarm.color("shape-edge"), 1.5)],
-    ];
+    const { data } = this.replay;
+    const mark = (look) => (context) => Swarm.marks.robot(context, 13, 9, 5.5, { isAlive: true, positioning: 0, ...look });
+    const byMode = !data.robot_type && data.mode && data.modes.length;
+    const robots = byMode
+      ? data.modes.map((name, mode) => [name, mark({ color: Swarm.TYPE_COLORS[mode % Swarm.TYPE_COLORS.length] })])
+      : [["robot", mark({ color: Swarm.TYPE_COLORS[0] })]];
+    const entries = [...robots, ["off, or not there yet", mark({ color: Swarm.TYPE_COLORS[0], isAlive: false })]];
+    if (this.replay.links || this.extra.reach) {
+      entries.push(["radio link", (context) => Swarm.marks.line(context, [[2, 9], [24, 9]], Swarm.color("link"), 1.5, { alpha: 0.5 })]);
+    }
+    entries.push(["shape", (context) => Swarm.marks.line(context, [[2, 9], [24, 9]], Swarm.color("shape-edge"), 1.5)]);
+    return entries;
   }
 };

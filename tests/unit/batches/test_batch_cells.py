@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 import shapely
+from source_tree import ROOT
 
-from batches.cells import BLOCK, Design, cells, runs, seeds_by_cell
+from batches.cells import BACKEND, BLOCK, STUDIES, Design, cells, runs, seeds_by_cell
 from bringup.resolution import contour_of
 from bringup.scenario_file import SCENARIOS, Override
 from swarm_msgs_py.errors import ConfigError
@@ -87,6 +88,15 @@ def test_two_scenarios_of_one_name_are_refused(tmp_path: Path) -> None:
 def test_what_does_not_exist_is_named(change: dict[str, tuple[str, ...]], message: str) -> None:
     with pytest.raises(ConfigError, match=message):
         cells(Design(**{"scenarios": ("smoke-4",), **change}))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "study"), [("coverage-ball", "for coverage use scripts/coverage"), ("assembly-1", "benchmarks/assembly_")]
+)
+def test_another_family_is_sent_to_its_own_study(name: str, study: str) -> None:
+    assert all((ROOT / path).is_file() for path in " ".join(STUDIES.values()).split() if path != "and")
+    with pytest.raises(ConfigError, match=rf"--scenario {name}: batches compare formations; .*{study}"):
+        cells(Design(scenarios=(name,), overrides=(Override("--physics", BACKEND, "massdamper"),)))
 
 
 def test_a_turn_depends_on_the_seed_and_not_on_the_method() -> None:

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import socket
+from itertools import islice
 from typing import Any
 
 import pytest
+from rich.console import Console
 from tornado.httpclient import HTTPRequest
 from tornado.websocket import websocket_connect
 
@@ -13,6 +16,7 @@ from bringup.compose import ScenarioActors
 from bringup.formation_scenes import FormationScenes
 from bringup.inprocess import InProcessEngine
 from bringup.live_view import HOST, LiveView
+from bringup.progress import Progress
 from bringup.resolution import resolve
 from bringup.scenario import Scenario
 from bringup.scenario_file import load_scenario, parse_assignment
@@ -78,3 +82,23 @@ def test_a_port_that_is_taken_is_refused(scenario: Scenario) -> None:
             LiveView(scenario.name, FormationScenes(scenario), port),
         ):
             pass
+
+
+def test_a_port_that_is_taken_after_the_start_costs_the_view_and_not_the_run(scenario: Scenario) -> None:
+    text = io.StringIO()
+    with socket.socket() as taken:
+        taken.bind((HOST, 0))
+        port = taken.getsockname()[1]
+        taken.close()
+        with LiveView(scenario.name, FormationScenes(scenario), port) as view, socket.socket() as thief:
+            thief.bind((HOST, port))
+            thief.listen()
+            with (
+                InProcessEngine(ScenarioActors(scenario)) as engine,
+                Progress(Console(file=text, width=200), None, view) as progress,
+            ):
+                for record in islice(engine.ticks(), 3):
+                    progress.show(record, record.truth.time, "")
+
+    assert text.getvalue().count(f"--live {port}: cannot be served any more") == 1
+    assert text.getvalue().count("the run goes on without") == 1

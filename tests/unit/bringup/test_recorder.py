@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from bringup.processes import Child
 from bringup.recorder import PATIENCE_S, Recorder
 from bringup.telemetry import Recorded, RecordingClosed
 from recording.taking import Account
+from recording.tick_ranges import TickRanges
 
 
 @pytest.fixture
@@ -61,5 +61,5 @@ def test_a_recorder_that_has_died_holds_nobody_up(recorder: Recorder) -> None:
 
 def test_the_note_tells_what_came_of_it(recorder: Recorder) -> None:
     assert recorder.note() == "recording: was not finished"
-    recorder.take(RecordingClosed(Account({"/clock": array("q", [0, 1])}, {})))
+    recorder.take(RecordingClosed(Account({"/clock": TickRanges([0, 1])}, {}, messages=2)))
     assert recorder.note() == "recording: 2 messages on 1 topics, none lost"

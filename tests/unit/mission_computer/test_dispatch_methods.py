@@ -1,3 +1,5 @@
+import os
+import signal
 from itertools import permutations, product
 
 import pytest
@@ -61,6 +63,18 @@ def test_a_bound_below_the_least_longest_travel_is_proven_infeasible() -> None:
 
     assert solution.dispatch is None
     assert solution.is_proof
+
+
+def test_who_was_to_hear_an_interruption_still_does_after_a_search() -> None:
+    problem = problem_of([(12, 12), (12, 13), (13, 12)], CORNERS[:4])
+    child = os.fork()
+    if child == 0:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(0))
+        DispatchModel(problem, Structure(problem.targets), 99).solve(LIMITS)
+        os.kill(os.getpid(), signal.SIGINT)
+        os._exit(1)
+
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 def test_layouts_that_cannot_join_are_refused_with_a_proof() -> None:

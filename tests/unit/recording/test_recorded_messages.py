@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from array import array
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,12 +18,14 @@ from recording.audit import Audit
 from recording.bag import BagWriter, opened
 from recording.stamps import time_of
 from recording.taking import CHANNEL_OF_PART, Account, Taking
+from recording.tick_ranges import TickRanges
 from swarm_msgs_py import topics
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.frames import pack_batch
 from swarm_msgs_py.messages.radio import RadioCounters
 from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.messages.sensing import ImuSample, RangeScan
+from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.ros import cdr, convert
 from swarm_msgs_py.topics import Parts, channels_by_topic
 from swarm_msgs_py.types import MISSION, NodeId
@@ -87,7 +89,7 @@ def test_what_says_no_time_counts_as_of_now_and_is_kept_as_it_is() -> None:
     taking.take("/r00/imu", b"\0")  # no message at all
 
     assert kept.messages[1:] == [("/mission/shape", 3.0, b"order"), ("/r00/imu", 3.0, b"\0")]
-    assert taking.account.taken["/mission/shape"].tolist() == [6]
+    assert taking.account.taken["/mission/shape"].ranges == ((6, 6),)
 
 
 @pytest.mark.parametrize("stamp", [1e9, 60.0])
@@ -115,8 +117,8 @@ def test_radio_batches_promise_the_readings_beside_them() -> None:
     taking.take("/r01/radio/rx", batch(4, Parts.IMU | Parts.RANGES))
     taking.take("/r01/radio/tx", batch(4))
 
-    promised = {topic: ticks.tolist() for topic, ticks in taking.account.promised.items() if ticks}
-    assert promised == {"/r01/imu": [4], "/r01/ranges": [4]}
+    promised = {topic: ticks.ranges for topic, ticks in taking.account.promised.items() if len(ticks)}
+    assert promised == {"/r01/imu": ((4, 4),), "/r01/ranges": ((4, 4),)}
 
 
 def test_every_announced_part_is_counted() -> None:
@@ -167,6 +169,47 @@ def test_a_bag_is_found_in_its_run_folder_and_gives_back_what_was_written(tmp_pa
             assert [time for time, _, _ in bag.messages(frozenset({"/r00/imu"}), start_s=1.5)] == [2.0, 3.0]
 
 
+def test_what_is_latched_comes_first_when_the_start_is_later(tmp_path: Path) -> None:
+    writer = BagWriter(tmp_path / FOLDER, CHANNELS)
+    for tick, goals in ((0, b"\0\1\0\0old"), (2, b"\0\1\0\0new"), (6, b"\0\1\0\0end")):
+        writer.write("/mission/goals", tick * PERIOD, goals)
+    for tick in range(6):
+        writer.write("/clock", tick * PERIOD, clock(tick * PERIOD))
+    writer.close()
+
+    with opened(tmp_path) as bag:
+        later = [(time, topic, data[4:]) for time, topic, data in bag.messages(start_s=2.0) if topic != "/clock"]
+        whole = [data[4:] for _, topic, data in bag.messages() if topic != "/clock"]
+        none = list(bag.messages(frozenset({"/clock"}), start_s=2.5))
+    assert later == [(2.0, "/mission/goals", b"new"), (3.0, "/mission/goals", b"end")]
+    assert whole == [b"old", b"new", b"end"]
+    assert none == [(2.5, "/clock", clock(2.5))]
+
+
+@pytest.mark.parametrize("is_renamed", [False, True])
+def test_a_recording_that_nobody_finished_is_read_up_to_where_it_was_cut_off(tmp_path: Path, is_renamed: bool) -> None:
+    writer, wanted = BagWriter(tmp_path / "whole", CHANNELS), []
+    for tick in range(60):
+        noise = rng_for(tick, "noise").bytes(40_000)  # chunks of a mebibyte do not shrink
+        writer.write("/r00/imu", tick * PERIOD, noise)
+        wanted.append((tick * PERIOD, "/r00/imu", noise))
+    writer.write("/mission/goals", 0.0, b"\0\1\0\0")
+    writer.close()
+    written = (tmp_path / "whole" / "whole.mcap").read_bytes()
+    folder = tmp_path / FOLDER
+    folder.mkdir()
+    (folder / f"{FOLDER}.mcap").write_bytes(written[: len(written) * 4 // 5])
+
+    with opened(folder / f"{FOLDER}.mcap" if is_renamed else tmp_path) as bag:
+        found = list(bag.messages())
+        assert bag.is_unfinished
+        assert [topic.message for topic in bag.topics] == ["sensor_msgs/msg/Imu"]
+    assert 20 < len(found) < 60
+    assert found == wanted[: len(found)]
+    with opened(tmp_path / "whole") as bag:
+        assert not bag.is_unfinished
+
+
 def test_a_bag_that_got_no_message_is_not_made(tmp_path: Path) -> None:
     BagWriter(tmp_path / FOLDER, CHANNELS).close()
 
@@ -177,8 +220,8 @@ def test_a_bag_that_got_no_message_is_not_made(tmp_path: Path) -> None:
     ("make", "complaint"),
     [
         (Path.absolute, "there is no such file or folder"),
-        (Path.mkdir, "holds no finished recording; launch_swarm.py makes one with --record"),
-        (lambda path: path.write_bytes(b"no bag"), "cannot be read as a bag"),
+        (Path.mkdir, "holds no recording; launch_swarm.py makes one with --record"),
+        (lambda path: path.write_bytes(b"no bag"), "x.mcap: has no messages; cut off before any reached the disk"),
     ],
 )
 def test_what_is_no_bag_is_refused_in_a_line(make: object, complaint: str, tmp_path: Path) -> None:
@@ -194,13 +237,15 @@ def spoken(tick: int) -> TickRecord:
     return replace(record, mission=MissionReport(1, (), (), (), "", RadioCounters()))
 
 
-def account_of(ticks: range) -> Account:
-    """Return the account of a recording that has everything of some ticks."""
-    every = array("q", ticks)
+def account_of(ticks: range, but: Mapping[str, set[int]] | None = None) -> Account:
+    """Return the account of a recording that has everything of some ticks, but for some of some topics."""
+    lacking = but or {}
     taken = {
-        topic: array("q", every) for topic, channel in CHANNELS.items() if channel.source is not topics.Party.OPERATOR
+        topic: TickRanges(set(ticks) - lacking.get(topic, set()))
+        for topic, channel in CHANNELS.items()
+        if channel.source is not topics.Party.OPERATOR
     }
-    return Account(taken | {"/mission/goals": array("q", [0]), "/viz/markers": array("q", [0])}, {})
+    return Account(taken | {"/mission/goals": TickRanges([0]), "/viz/markers": TickRanges([0])}, {})
 
 
 def test_an_audit_of_a_complete_recording_misses_nothing() -> None:
@@ -218,12 +263,9 @@ def test_an_audit_finds_every_message_that_is_missing() -> None:
     audit = Audit()
     for tick in range(10):
         audit.expect(spoken(tick))
-    account = account_of(range(10))
-    account.taken["/r01/odom"].remove(7)
-    account.taken["/r01/odom"].append(10)  # as many as there should be, but not the right ones
-    del account.taken["/clock"][3:5]
-    account.taken["/r00/ranges"].remove(2)
-    promising = Account(account.taken, {"/r00/ranges": array("q", [0, 2, 10])})
+    account = account_of(range(10), {"/r01/odom": {7}, "/clock": {3, 4}, "/r00/ranges": {2}})
+    account.taken["/r01/odom"].add(10)  # as many as there should be, but not the right ones
+    promising = Account(account.taken, {"/r00/ranges": TickRanges([0, 2, 10])})
     finding = audit.compare(promising)
 
     assert finding.missing == {"/clock": 2, "/r00/ranges": 1, "/r01/odom": 1}
@@ -235,7 +277,7 @@ def test_silent_and_dead_nodes_owe_nothing() -> None:
     record = make_tick(0, [[0.0, 0.0], [1.0, 0.0]], lost=frozenset({NodeId(1), MISSION}))
     audit.expect(record)
     only = {
-        topic: array("q", [0]) for topic in CHANNELS if topic.startswith(("/r00/", "/clock", "/world/truth", "/viz/"))
+        topic: TickRanges([0]) for topic in CHANNELS if topic.startswith(("/r00/", "/clock", "/world/truth", "/viz/"))
     }
 
     assert audit.compare(Account(only, {})).missing == {}

@@ -30,6 +30,7 @@ def run(tmp_path: Path) -> Path:
         (["nowhere"], r"nowhere: there is no such file or folder; name a run folder"),
         (["RUN", "--topic", "/r07/"], r"--topic /r07/: the recording has no such topic; it has /clock"),
         (["RUN", "--rate", "fast"], r"--rate: expected a number from 0 to 10000, got 'fast'"),
+        (["RUN", "--start", "5"], r"--start 5: the recording ends after 0 s; begin earlier"),
         (["RUN", "--looop"], r"--looop: unknown option"),
         ([], r"the following arguments are required: BAG"),
     ],

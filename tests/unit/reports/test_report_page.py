@@ -21,6 +21,14 @@ def test_a_run_of_50_robots_and_300_ticks_in_which_nothing_stays_the_same_fits_i
     assert len(report_page(busy_run(50, 300))) < LIMIT_BYTES
 
 
+def test_a_run_ten_times_as_long_fits_as_well_and_says_what_is_left_out() -> None:
+    page = report_page(busy_run(50, 3000)).decode()
+
+    assert len(page) < LIMIT_BYTES
+    assert re.search(r"A long run, shown coarser than it was.*: robots every 2 ticks, goals every \d+ ticks, ", page)
+    assert '<p class="thinning"></p>' in report_page(made_run()).decode()
+
+
 def test_long_runs_of_large_swarms_are_shown_with_fewer_frames_and_both_ends() -> None:
     record = made_run(robots=600, ticks=1000)
     rows = frame_rows(record)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded_runs import PERIOD, made_run, run_in_space
+from recorded_runs import PERIOD, made_run, run_in_space, run_on_lattice
 
 from reports.run_record import RunRecord
 from reports.series import Chart, charts, goal_distances, links_by_tick
@@ -87,3 +87,23 @@ def test_a_run_shows_the_charts_that_it_has_numbers_for() -> None:
     assert {chart.name for chart in charts(run_in_space())} == {
         *("modes", "displacement", "clearance", "connectivity", "traffic"),
     }
+
+
+def test_a_structure_grows_by_places_and_docks() -> None:
+    run = run_on_lattice()
+    filled = np.minimum(1 + np.arange(run.ticks) // 5, 3)
+    record = RunRecord(run.metrics, run.scenario, {**run.arrays, "filled": filled})
+    chart = next(chart for chart in charts(record) if chart.name == "structure")
+
+    places, docks = (line.values for line in chart.lines)
+    assert places.tolist() == filled.tolist()
+    assert docks[[0, 4, 5, 11, 12, 19]].tolist() == [0, 0, 1, 1, 2, 2]
+
+
+def test_what_is_covered_is_shown_when_it_was_looked_at() -> None:
+    run = run_in_space()
+    more = {"covered_time": np.array([0.5, 3.0]), "covered_share": np.array([0.1, 1.0])}
+    chart = charts(RunRecord(run.metrics, run.scenario, {**run.arrays, **more}))[0]
+
+    assert (chart.name, chart.times.tolist()) == ("covered", [0.5, 3.0])
+    assert chart.lines[0].values.tolist() == [0.1, 1.0]

@@ -120,6 +120,27 @@ def test_what_only_tells_of_runs_is_there_and_makes_no_other_version(tmp_path: P
     assert code_version(tmp_path) == before
 
 
+def test_another_method_of_an_installed_package_makes_another_version(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site, project = tmp_path / "site", tmp_path / "project"
+    metadata = site / "others_methods-1.0.dist-info"
+    metadata.mkdir(parents=True)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: others-methods\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text("[swarm.strategies]\nothers = others_methods.one:One\n")
+    source = site / "others_methods" / "one.py"
+    source.parent.mkdir()
+    source.write_text("class One: ...\n")
+    without = code_version(project)
+    monkeypatch.syspath_prepend(site)
+    before = code_version(project)
+    source.write_text("class One: 'another'\n")
+    after = code_version(project)
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: others-methods\nVersion: 1.1\n")
+
+    assert len({without, before, after, code_version(project)}) == 4
+
+
 def test_a_lock_is_held_against_others_and_let_go(tmp_path: Path) -> None:
     with locked(tmp_path), pytest.raises(ConfigError, match="another process is writing results there"):
         locked(tmp_path).__enter__()

@@ -12,6 +12,10 @@ from swarm_msgs_py.messages.radio import RadioCounters
 from swarm_msgs_py.messages.report import MissionReport
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 
+OUTLINE_REFUSED = (
+    "shape refused: this swarm fills solids, not outlines; its scenario can order another one (events: shape)"
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrderConfig(Config):
@@ -69,7 +73,7 @@ class OrderDesk:
             informed=(),
             reachable=(),
             parked=(),
-            notice="",
+            notice=OUTLINE_REFUSED if inputs.shape is not None else "",
             counters=counters,
             stage=max(0, len(given) - 1),
             stages_left=left,

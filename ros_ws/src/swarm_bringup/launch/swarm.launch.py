@@ -12,7 +12,10 @@ WORLD = Path(__file__).parent / "world.launch.py"
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the world and the mission computer, with their arguments, and one node per robot."""
+    """Return the world and the mission computer, with their arguments, and one node per robot.
+
+    Everything ends with the world or the mission computer; when a robot's node ends, the swarm goes on without it.
+    """
     counts = DeclareLaunchArgument("counts", default_value="3", description="robots of types 1, 2 and 3, as in 3,2,1")
     period = DeclareLaunchArgument("period_s", default_value="0.5", description="control period [s]")
     world = IncludeLaunchDescription(PythonLaunchDescriptionSource(str(WORLD)))

@@ -1,7 +1,7 @@
 """The world and the mission computer, for robots elsewhere: ``ros2 launch swarm_bringup world.launch.py``."""
 
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -18,7 +18,7 @@ ARGUMENTS = {
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return both nodes."""
+    """Return both nodes; when either ends, whatever was launched with it ends, too: nothing could go on."""
     declared = [DeclareLaunchArgument(name, default_value=text, description=about)
                 for name, (text, about) in ARGUMENTS.items()]  # fmt: skip
     return LaunchDescription([*declared, OpaqueFunction(function=_nodes)])
@@ -36,7 +36,14 @@ def _nodes(context: LaunchContext) -> list[Node]:
     }
     shape = ParameterValue(LaunchConfiguration("shape"), value_type=str)  # else its text would be read as YAML
     mission = {"counts": counts, "shape": shape, "room_m2": float(given["room_m2"]), "period_s": period_s}
+    starts = (("swarm_sim", "world_node", world), ("mission_computer", "mission_node", mission))
     return [
-        Node(package="swarm_sim", executable="world_node", parameters=[world], output="screen"),
-        Node(package="mission_computer", executable="mission_node", parameters=[mission], output="screen"),
+        Node(
+            package=package,
+            executable=executable,
+            parameters=[settings],
+            output="screen",
+            on_exit=Shutdown(reason=f"{executable} has ended"),
+        )
+        for package, executable, settings in starts
     ]

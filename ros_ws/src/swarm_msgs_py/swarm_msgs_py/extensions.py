@@ -14,6 +14,15 @@ STRATEGIES = "swarm.strategies"
 """Group of `swarm_agent.decision.strategy.Strategy` classes, made with `swarm_agent.decision.strategy.Means`."""
 
 
+GROUPS = (PARTITION_METHODS, STRATEGIES)
+
+
+def extension_points() -> tuple[EntryPoint, ...]:
+    """Return what installed packages add to all groups, by group and name."""
+    found = {point for group in GROUPS for point in entry_points(group=group)}
+    return tuple(sorted(found, key=lambda point: (point.group, point.name, point.value)))
+
+
 def extension_names(group: str) -> tuple[str, ...]:
     """Return the names of all extensions of a group, in alphabetical order."""
     return tuple(sorted({point.name for point in entry_points(group=group)}))

@@ -34,6 +34,9 @@ class DeskConfig(Config):
     )
 
 
+OUTLINE_REFUSED = "shape refused: boats build the map of their scenario (map.name); start another run for another one"
+
+
 class AssemblyDesk:
     """Plans and orders; one step per tick.
 
@@ -85,7 +88,7 @@ class AssemblyDesk:
             informed=informed,
             reachable=tuple(NodeId(boat) for boat in sorted(self._told)),
             parked=(),
-            notice=report.note,
+            notice=OUTLINE_REFUSED if inputs.shape is not None else report.note,
             counters=RadioCounters(frames_sent=self._frames, bytes_sent=self._bytes),
         )
         return MissionOutputs(inputs.tick, outbox, None, told)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import rclpy
@@ -13,6 +13,8 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
@@ -79,7 +81,10 @@ def spin_until(executor: Executor, is_over: Callable[[], bool]) -> None:
 
 
 def is_matched(
-    nodes: Iterable[Node], needed: Callable[[str], bool], overheard: Callable[[str], bool] = lambda _: False
+    nodes: Iterable[Node],
+    needed: Callable[[str], bool],
+    overheard: Callable[[str], bool] = lambda _: False,
+    own: Container[str] | None = None,
 ) -> bool:
     """Return whether the publishers and subscriptions of some nodes have found their partners.
 
@@ -90,9 +95,11 @@ def is_matched(
         Whether the swarm needs a topic, so that each of its ends must have a partner.
     overheard : callable
         Whether somebody beside the swarm listens to a topic, and must not miss its first message.
+    own : container of str or None
+        Names of the nodes that may be partners; others, such as viewers, do not stand in for them. None: all may be.
     """
     return all(
-        publisher.get_subscription_count() >= needed(publisher.topic_name) + overheard(publisher.topic_name)
+        _has_listeners(node, publisher, needed(publisher.topic_name) + overheard(publisher.topic_name), own)
         for node in nodes
         for publisher in node.publishers
     ) and all(
@@ -101,6 +108,31 @@ def is_matched(
         for subscription in node.subscriptions
         if needed(subscription.topic_name)
     )
+
+
+def _has_listeners(node: Node, publisher: Publisher, count: int, own: Container[str] | None) -> bool:
+    """Return whether a publisher has found at least so many subscriptions of nodes that count."""
+    found = publisher.get_subscription_count()
+    if own is None or found < count or not count:
+        return bool(found >= count)
+    # The middleware tells how many it has found, and who there is, but not whom of them it has found. It learns of a
+    # subscription before it finds it; so if all strangers were found, the others are ours.
+    listeners = node.get_subscriptions_info_by_topic(publisher.topic_name)
+    strangers = sum(each.node_name not in own and _can_hear(publisher, each.qos_profile) for each in listeners)
+    return bool(found - strangers >= count)
+
+
+def _can_hear(publisher: Publisher, asked: QoSProfile) -> bool:
+    """Return whether a publisher offers what a listener asks for.
+
+    Not asked of ROS (`qos_check_compatible`): to it, deadlines that are infinite and such that are not set differ.
+    """
+    offered = publisher.qos_profile
+    asks_in_vain = (
+        asked.reliability == ReliabilityPolicy.RELIABLE and offered.reliability == ReliabilityPolicy.BEST_EFFORT,
+        asked.durability == DurabilityPolicy.TRANSIENT_LOCAL and offered.durability == DurabilityPolicy.VOLATILE,
+    )
+    return not any(asks_in_vain)
 
 
 def run_node(make: Callable[[Context], Node], args: Sequence[str] | None = None) -> int:
