@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from mission_computer.shape import TEXT_PREFIX
+from mission_computer.shape import TEXT_PREFIX, CoordinateUnit
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
 
@@ -27,6 +27,11 @@ class ShapeSpec(Config):
     text: str | None = setting(None, "letters to form")
     font: str | None = setting(
         None, "of the text: family with style, e.g. 'DejaVu Serif:bold', or a font file; null: DejaVu Sans:bold"
+    )
+    unit: CoordinateUnit | None = setting(
+        None,
+        "of the coordinates in a GeoJSON file: m, or deg (longitude and latitude, as RFC 7946 has it; the middle of the"
+        " map comes to (0, 0)); null: what the file's crs says, or its numbers if they can only be one of both",
     )
     points: tuple[tuple[float, float], ...] | None = setting(None, "contour [x, y], once around", unit="m")
     fit_m: tuple[float, float] | None = setting(
@@ -62,6 +67,8 @@ class ShapeSpec(Config):
             raise ConfigError("no shape; give one of name, file, text or points")
         if self.font is not None and self.text is None:
             raise ConfigError("font without text; give text, or remove font")
+        if self.unit is not None and self.file is None:
+            raise ConfigError("unit without file; it is that of GeoJSON files, so give file, or remove unit")
         if self.fit_m is not None and self.area_m2 is not None:
             raise ConfigError("fit_m and area_m2 are both given; remove one of them")
 

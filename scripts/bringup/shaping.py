@@ -38,4 +38,4 @@ def contour_from(spec: ShapeSpec, scenario: Scenario) -> FloatArray:
         placement = with_room(
             spec.source, placement, Roster.of(robot_types(scenario)), scenario.mission.partition, spec.font
         )
-    return placed_shape(spec.source, placement, spec.font)
+    return placed_shape(spec.source, placement, spec.font, spec.unit)

@@ -15,8 +15,9 @@ from inspect import cleandoc, getmembers, isclass
 from pathlib import Path
 from types import ModuleType
 
-from bringup.scenario import Scenario
-from swarm_msgs_py import topics
+from bringup.family import Family
+from bringup.kinds import KINDS
+from swarm_msgs_py import messages, topics
 from swarm_msgs_py.config import Config, dotted_keys
 from swarm_msgs_py.types import NodeId
 
@@ -24,7 +25,22 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 PATHS = ("reference/commands.md", "reference/settings.md", "reference/messages.md")
 """Pages of the site that are no files."""
 
-RECORD_MODULES = ("radio", "bodies", "sensing", "control", "report")
+SENSORS = {
+    Family.FORMATION: topics.ROBOT_SENSORS,
+    Family.COVERAGE: topics.POINT_SENSORS,
+    Family.ASSEMBLY: topics.BOAT_SENSORS,
+}
+"""What the world sends to robots of each family."""
+
+OTHER_RECORDS = tuple(
+    f"swarm_msgs_py.{name}"
+    for name in (
+        *("step_io", "coverage_io", "coverage_orders"),
+        *("assembly.boat_io", "assembly.orders", "assembly.plan", "assembly.progress_frames", "assembly.boat_frames"),
+    )
+)
+"""Modules outside of ``messages`` whose records actors hand to each other."""
+
 WIDTH = "100"  # columns of the help texts
 
 
@@ -50,64 +66,89 @@ def commands_page() -> str:
 
 
 def settings_page() -> str:
-    """Return every setting of a scenario, by its dotted key."""
+    """Return every setting of a scenario of every family, by its dotted key."""
     lines = [
         "# Settings",
         "",
         "Keys of scenario files, and of `--set key=value`; there a unique ending is enough. `--explain` prints the"
-        " values of one scenario. Robots' settings are the ROS parameters of their nodes.",
+        " values of one scenario. Robots' settings are the ROS parameters of their nodes. A scenario is of one family:"
+        " `family` in it, or the folder of a ready-made one, says which.",
     ]
-    section = ""
-    defaults = _defaults(Scenario)
-    for key, (hint, about) in dotted_keys(Scenario).items():
-        head = key.partition(".")[0] if "." in key else "the run"
-        if head != section:
-            section = head
-            lines += [
-                "",
-                f"## {section}",
-                "",
-                "| key | type | default | allowed | meaning |",
-                "| --- | --- | --- | --- | --- |",
-            ]
-        limits = about.limits() or (f"{about.unit}" if about.unit else "")
-        lines.append(f"| `{key}` | {_type_name(hint)} | {defaults.get(key, '')} | {limits} | {_cell(about.help)} |")
+    for family, kind in KINDS.items():
+        lines += ["", f"## The {family.value} family"]
+        lines += _settings_of(kind.scenario)
     return "\n".join([*lines, ""])
+
+
+def _settings_of(scenario: type[Config]) -> Iterator[str]:
+    """Yield the tables of one family's settings, one per section."""
+    defaults = _defaults(scenario)
+    sections: dict[str, list[str]] = {"the run": []}
+    for key, (hint, about) in dotted_keys(scenario).items():
+        section = sections.setdefault(key.partition(".")[0] if "." in key else "the run", [])
+        limits = about.limits() or (f"{about.unit}" if about.unit else "")
+        section.append(f"| `{key}` | {_type_name(hint)} | {defaults.get(key, '')} | {limits} | {_cell(about.help)} |")
+    for name, lines in sections.items():
+        yield from (
+            "",
+            f"### {name}",
+            "",
+            "| key | type | default | allowed | meaning |",
+            "| --- | --- | --- | --- | --- |",
+        )
+        yield from lines
 
 
 def messages_page() -> str:
     """Return the topics, services and records of the system."""
-    robot = NodeId(0)
-    lines = ["# Topics, services, messages", "", "## Topics", "", "| topic | type | from | to | delivery |"]
-    lines.append("| --- | --- | --- | --- | --- |")
-    channels = dict.fromkeys((*topics.ROBOT_CHANNELS, *topics.MISSION_CHANNELS, *topics.SINGLE_CHANNELS))
-    for channel in channels:
-        name = channel.template.replace("{node}", "rNN")
-        ends = f"{channel.source.value} | {channel.sink.value}"
-        lines.append(f"| `{name}` | {channel.message} | {ends} | {channel.delivery.value} |")
-    lines += [
-        "",
-        "`/mission/radio/rx` and `/mission/radio/tx` are those of the mission computer's antenna.",
-        "",
-        "## Services",
-    ]
-    lines += ["", "| service | type | what it does |", "| --- | --- | --- |"]
+    lines = ["# Topics, services, messages", "", "## Topics", ""]
+    lines += ["`rNN` is the name of a robot, `r00` to `r99` and on. Families that a topic is of are named in the last"]
+    lines += ["column; nothing there: all have it.", ""]
+    lines += ["| topic | type | from | to | delivery | only in |", "| --- | --- | --- | --- | --- | --- |"]
+    lines += [_channel_line(channel) for channel in every_channel()]
+    lines += ["", "`/mission/radio/rx` and `/mission/radio/tx` are those of the mission computer's antenna.", ""]
+    lines += ["## Services", "", "| service | type | what it does |", "| --- | --- | --- |"]
     lines.append(f"| `{topics.PAUSE_SERVICE}` | std_srvs/srv/Trigger | hold simulated time |")
     lines.append(f"| `{topics.RESUME_SERVICE}` | std_srvs/srv/Trigger | let simulated time go on |")
-    power = topics.power_service(robot).replace("r00", "rNN")
+    power = topics.power_service(NodeId(0)).replace("r00", "rNN")
     lines.append(f"| `{power}` | std_srvs/srv/SetBool | false: kill the robot; true: switch it on |")
-    lines += [
-        "",
-        "## Records",
-        "",
-        "What travels in radio frames, and what actors hand to each other; typed views of the bytes.",
-    ]
-    for name in RECORD_MODULES:
-        module = import_module(f"swarm_msgs_py.messages.{name}")
-        lines += ["", f"### {_first_line(module.__doc__)}", ""]
-        for record in _records(module):
-            lines += _record_lines(record)
+    lines += ["", "## Records", ""]
+    lines.append("What travels in radio frames, and what actors hand to each other; typed views of the bytes.")
+    for name in record_modules():
+        module = import_module(name)
+        if records := list(_records(module)):
+            lines += ["", f"### {_first_line(module.__doc__)}", "", f"`{name}`", ""]
+            lines += [line for record in records for line in _record_lines(record)]
     return "\n".join([*lines, ""])
+
+
+def every_channel() -> list[topics.Channel]:
+    """Return all rows of the topic table, in its order."""
+    return [member for member in vars(topics).values() if isinstance(member, topics.Channel)]
+
+
+def families_of(channel: topics.Channel) -> tuple[Family, ...]:
+    """Return the families whose robots have a topic; none: it does not depend on the family."""
+    if not any(channel in sensors for sensors in SENSORS.values()):
+        return ()
+    found = tuple(family for family, sensors in SENSORS.items() if channel in sensors)
+    return () if len(found) == len(SENSORS) else found
+
+
+def record_modules() -> list[str]:
+    """Return the modules that hold records, by name."""
+    package = Path(str(messages.__file__)).parent
+    of_all = [f"{messages.__name__}.{path.stem}" for path in sorted(package.glob("[!_]*.py"))]
+    return [*of_all, *OTHER_RECORDS]
+
+
+def _channel_line(channel: topics.Channel) -> str:
+    name = channel.template.replace("{node}", "rNN")
+    only = ", ".join(family.value for family in families_of(channel))
+    if channel in topics.CAMERA_CHANNELS:
+        only = "worlds with an overhead camera"
+    ends = f"{channel.source.value} | {channel.sink.value}"
+    return f"| `{name}` | {channel.message} | {ends} | {channel.delivery.value} | {only} |"
 
 
 def _records(module: ModuleType) -> Iterator[type]:

@@ -107,7 +107,9 @@ def test_the_reference_follows_from_the_code(site: Path) -> None:
     for script in (ROOT / "scripts").glob("*.py"):
         assert script.name in pages["commands"]
     assert "--list-scenarios" in pages["commands"]
-    assert "shape.fit_m" in pages["settings"]
+    for kind in KINDS.values():
+        for key in dotted_keys(kind.scenario):
+            assert f"<code>{key}</code>" in pages["settings"], key
     for word in ("/world/power/rNN", "geometry_msgs/msg/PolygonStamped", "CostRow", "UNREACHABLE"):
         assert word in pages["messages"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
@@ -22,8 +21,6 @@ from swarm_msgs_py.robots import THESIS_TYPES
 from swarm_msgs_py.roster import Roster
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {frame}>{body}</svg>'
-OUTER = [[0, 0], [10, 0], [10, 8], [0, 8], [0, 0]]
-HOLE = [[4, 3], [6, 3], [6, 5], [4, 5], [4, 3]]
 
 
 def drawn(folder: Path, body: str, frame: str = 'width="100" height="100"') -> Path:
@@ -42,29 +39,6 @@ def pictured(folder: Path, mode: str, paper: object, ink: object) -> Path:
     file = folder / "ring.png"
     image.save(file)
     return file
-
-
-def test_a_hole_is_opened_by_a_slit_and_stays_outside_of_the_shape(tmp_path: Path) -> None:
-    file = tmp_path / "ring.geojson"
-    file.write_text(json.dumps({"type": "Polygon", "coordinates": [OUTER, HOLE]}))
-
-    shape = Polygon(load_shape(file))
-
-    assert shape.is_valid
-    assert shape.area == pytest.approx(80.0 - 4.0, abs=0.1)  # the slit takes 2 cm times 3 m
-    assert not shape.contains(Point(5.0, 4.0))
-    assert shape.contains(Point(2.0, 4.0))
-
-
-def test_several_polygons_are_joined_by_bridges(tmp_path: Path) -> None:
-    far = [[x + 20, y] for x, y in OUTER]
-    file = tmp_path / "two.geojson"
-    file.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[OUTER, HOLE], [far]]}))
-
-    shape = Polygon(load_shape(file))
-
-    assert shape.area == pytest.approx(2 * 80.0 - 4.0, abs=0.4)
-    assert shape.bounds == (0.0, 0.0, 30.0, 8.0)
 
 
 def test_transforms_of_groups_uses_and_view_boxes_apply(tmp_path: Path) -> None:
@@ -96,6 +70,84 @@ def test_transforms_of_groups_uses_and_view_boxes_apply(tmp_path: Path) -> None:
 )
 def test_a_drawing_is_what_it_fills(tmp_path: Path, body: str, area: float) -> None:
     assert signed_area(load_shape(drawn(tmp_path, body))) == pytest.approx(area, rel=6e-3)
+
+
+BAR = '<rect width="10" height="4"/>'
+"""Four by ten: area 40, its middle at (5, -2), as pictures have y downward."""
+
+
+@pytest.mark.parametrize(
+    "unseen",
+    [
+        '<symbol id="s"><rect width="90" height="90"/></symbol>',
+        '<mask id="m"><rect width="90" height="90"/></mask>',
+        '<clipPath id="c"><rect width="90" height="90"/></clipPath>',
+        '<marker id="k"><rect width="90" height="90"/></marker>',
+        '<pattern id="p" width="9" height="9"><rect width="90" height="90"/></pattern>',
+        '<linearGradient id="l"/><filter id="f"/>',
+        '<rect width="90" height="90" visibility="hidden"/>',
+        '<g visibility="hidden"><rect width="90" height="90"/></g>',
+        '<rect width="90" height="90" style="display:none"/>',
+        '<g display="none"><rect width="90" height="90" display="inline"/></g>',
+        '<g opacity="0"><rect width="90" height="90" opacity="1"/></g>',
+        '<a style="opacity: 0%"><rect width="90" height="90"/></a>',
+        '<rect width="90" height="90" fill-opacity="0"/>',
+        '<rect width="90" height="90" style="fill-opacity:0%"/>',
+        '<style>.ghost { visibility: hidden }</style><rect class="ghost" width="90" height="90"/>',
+        '<x:rect xmlns:x="urn:editor" width="90" height="90"/><metadata><rect width="90" height="90"/></metadata>',
+        '<use xlink:href="#nowhere"/>',
+    ],
+)
+def test_what_cannot_be_seen_is_no_part_of_the_shape(tmp_path: Path, unseen: str) -> None:
+    contour = load_shape(drawn(tmp_path, unseen + BAR))
+
+    assert signed_area(contour) == pytest.approx(40.0)
+    assert_allclose(area_centroid(contour), [5.0, -2.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("body", "low", "high"),
+    [
+        (f'<g visibility="hidden"><g visibility="visible">{BAR}</g></g>', (0, -4), (10, 0)),
+        # 20 units of the view box over 40 of the page: twice as large, put at (5, 6); the bar becomes 20 x 8.
+        (
+            f'<symbol id="s" viewBox="0 0 20 20">{BAR}</symbol><use href="#s" x="5" y="6" width="40" height="40"/>',
+            (5, -14),
+            (25, -6),
+        ),
+        # The viewport is wider than the box: the height decides (factor 2), and (100 - 40) / 2 are free on the left.
+        (
+            f'<symbol id="s" viewBox="0 0 20 20">{BAR}</symbol><use href="#s" width="100%" height="40%"/>',
+            (30, -8),
+            (50, 0),
+        ),
+        (f'<svg x="10" y="20" width="30" height="30" viewBox="0 0 10 10">{BAR}</svg>', (10, -32), (40, -20)),
+        (f'<g transform="scale(2)"><svg x="10" y="20">{BAR}</svg></g>', (20, -48), (40, -40)),
+        # A box inside of a box: 3 times, then (1, 2) of the middle box further and 2 times in it.
+        (
+            '<svg x="10" y="20" width="30" height="30" viewBox="0 0 10 10">'
+            '<svg x="1" y="2" width="8" height="8" viewBox="0 0 4 4"><rect width="1" height="2"/></svg></svg>',
+            (13, -38),
+            (19, -26),
+        ),
+        ('<svg width="50%" height="40"><rect width="50%" height="10%"/></svg>', (0, -4), (25, 0)),
+        (f'<g id="a">{BAR}</g><use href="#a" y="4"/><use href="#a" y="8"/>', (0, -12), (10, 0)),
+    ],
+    ids=["shown again", "symbol", "symbol in the middle", "box", "offset", "box in box", "percent", "used group"],
+)
+def test_viewports_and_uses_put_what_they_hold(
+    tmp_path: Path, body: str, low: tuple[float, float], high: tuple[float, float]
+) -> None:
+    contour = load_shape(drawn(tmp_path, body))
+
+    assert_allclose([contour.min(axis=0), contour.max(axis=0)], [low, high], atol=1e-9)
+    assert signed_area(contour) == pytest.approx((high[0] - low[0]) * (high[1] - low[1]))
+
+
+def test_a_drawing_all_in_white_is_its_white_figure(tmp_path: Path) -> None:
+    body = '<g fill="white"><rect width="10" height="4"/><rect x="10" width="5" height="4"/></g>'
+
+    assert signed_area(load_shape(drawn(tmp_path, body))) == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize(
@@ -131,15 +183,6 @@ def test_a_speck_of_transparency_does_not_make_the_picture_its_rectangle(tmp_pat
         image.save(file)
 
     assert signed_area(load_shape(file)) == pytest.approx(math.pi * (60.5**2 - 19.5**2), rel=0.02)
-
-
-def test_a_small_hole_in_a_map_stays(tmp_path: Path) -> None:
-    yard = [[0, 0], [100, 0], [100, 100], [0, 100], [0, 0]]
-    pit = [[50, 50], [50, 53], [53, 53], [53, 50], [50, 50]]
-    file = tmp_path / "yard.geojson"
-    file.write_text(json.dumps({"type": "Polygon", "coordinates": [yard, pit]}))
-
-    assert signed_area(load_shape(file)) == pytest.approx(10_000.0 - 9.0, abs=2.0)  # the slit to it takes a little
 
 
 def test_numbers_beyond_all_bounds_are_refused_in_a_line(tmp_path: Path) -> None:
@@ -207,8 +250,12 @@ def test_a_placement_without_sense_is_refused(placement: Placement) -> None:
     ("body", "complaint"),
     [
         ("<g", "not a sound SVG drawing"),
-        ("<text>words</text>", "nothing in the drawing has area; convert texts"),
+        ("<text>words</text>", "nothing in the drawing can be seen; .* convert texts"),
         ('<line x1="0" y1="0" x2="9" y2="9" stroke="black"/>', "nothing in the drawing has area"),
+        ('<rect width="9" height="9"/><rect width="9" height="9" fill="#fff"/>', "white covers all"),
+        ('<rect width="9" height="9" fill-opacity="0"/>', "nothing in the drawing has area; close its outlines"),
+        ('<rect width="9" height="9" opacity="0"/>', "nothing in the drawing can be seen; show hidden layers"),
+        ('<g id="a"><use href="#a"/></g>', r"not a sound SVG drawing \(ValueError\)"),
         ('<path d="M 0 0 L nonsense"/>', "not a sound SVG drawing|has area"),
     ],
 )

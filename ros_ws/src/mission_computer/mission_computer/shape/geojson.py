@@ -1,4 +1,4 @@
-"""The polygons in a GeoJSON document (RFC 7946), their coordinates read as metres."""
+"""The polygons in a GeoJSON document (RFC 7946); `geographic` says what their coordinates are."""
 
 from __future__ import annotations
 

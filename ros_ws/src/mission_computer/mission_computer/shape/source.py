@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -15,6 +16,8 @@ from shapely.geometry.base import BaseGeometry
 from shapely.validation import explain_validity
 
 from mission_computer.shape.detail import SPECK, simplified, without_specks
+from mission_computer.shape.filling import polygonal
+from mission_computer.shape.geographic import CoordinateUnit, projected, unit_of
 from mission_computer.shape.geojson import geojson_parts
 from mission_computer.shape.library import library_names, library_points
 from mission_computer.shape.placement import Placement
@@ -38,24 +41,29 @@ def load_shape(
     scale: float = 1.0,
     rotation: float = 0.0,
     translation: tuple[float, float] = (0.0, 0.0),
+    unit: CoordinateUnit | None = None,
 ) -> FloatArray:
     """Return the contour that `source` describes; as `placed_shape`, with the placement in short."""
-    return placed_shape(source, Placement(scale=scale, rotation=rotation, translation=translation))
+    return placed_shape(source, Placement(scale=scale, rotation=rotation, translation=translation), unit=unit)
 
 
-def placed_shape(source: ShapeSource, placement: Placement, font: str | None = None) -> FloatArray:
+def placed_shape(
+    source: ShapeSource, placement: Placement, font: str | None = None, unit: CoordinateUnit | None = None
+) -> FloatArray:
     """Return the contour that `source` describes, placed.
 
     Parameters
     ----------
     source : str, path or (n, 2) points
         Library name; path of a JSON file (GeoJSON; a list of points; or an object with ``vertices``), of an SVG drawing
-        or of a picture; ``text:`` with a text; JSON text; or the points themselves. Coordinates are metres in the world
-        frame, in GeoJSON too; drawings, pictures and texts have no unit of length: one unit, one pixel or the size of
-        the font is a metre before they are placed.
+        or of a picture; ``text:`` with a text; JSON text; or the points themselves. Coordinates are meters in the world
+        frame, those of GeoJSON meters or degrees of longitude and latitude (`geographic`). Drawings, pictures and texts
+        have no unit of length: one unit, one pixel or the size of the font is a meter before they are placed.
     placement : Placement
     font : str or None
         For a text: family with style, or a font file; None for the one that is always there.
+    unit : CoordinateUnit or None
+        Of the coordinates of GeoJSON; None: what only makes sense.
 
     Returns
     -------
@@ -68,7 +76,7 @@ def placed_shape(source: ShapeSource, placement: Placement, font: str | None = N
     ShapeError
         One line that names the source, what is wrong and what to do.
     """
-    name, region = _read(source, font)
+    name, region = _read(source, font, unit)
     placement.check(name)
     if isinstance(region, np.ndarray):
         return _placed_ring(region, placement, name)
@@ -104,7 +112,7 @@ def _placed_region(whole: Polygon | MultiPolygon, placement: Placement, name: st
         raise ShapeError(text if text.startswith(name) else f"{name}: {text}") from None
 
 
-def _read(source: ShapeSource, font: str | None) -> tuple[str, FloatArray | BaseGeometry]:
+def _read(source: ShapeSource, font: str | None, unit: CoordinateUnit | None) -> tuple[str, FloatArray | BaseGeometry]:
     """Return what to call the source in errors, and its unchecked (n, 2) points, or its region if there are several."""
     if isinstance(source, str):
         if source in library_names():
@@ -114,11 +122,11 @@ def _read(source: ShapeSource, font: str | None) -> tuple[str, FloatArray | Base
             region: BaseGeometry = _reader("lettering").text_region(text, font)
             return f"text '{text}'", region
         if source.lstrip().startswith(("[", "{")):
-            return "inline shape", _parse(source, "inline shape")
+            return "inline shape", _parse(source, "inline shape", unit)
         if not _looks_like_file(source):
             return source, library_points(source)
     if isinstance(source, str | Path):
-        return str(source), _read_file(Path(source))
+        return str(source), _read_file(Path(source), unit)
     return "inline shape", _points(source, "inline shape")
 
 
@@ -131,14 +139,14 @@ def _looks_like_file(source: str) -> bool:
     return bool(Path(source).suffix) or "/" in source or "\\" in source or Path(source).is_file()
 
 
-def _read_file(path: Path) -> FloatArray | BaseGeometry:
+def _read_file(path: Path, unit: CoordinateUnit | None) -> FloatArray | BaseGeometry:
     suffix = path.suffix.lower()
     _check_size(path)
     if suffix in PICTURE_SUFFIXES:
         return _reader("bitmap").bitmap_region(path)
     if suffix in DRAWING_SUFFIXES:
         return _reader("svg").svg_region(_text_of(path), str(path))
-    return _parse(_text_of(path), str(path))
+    return _parse(_text_of(path), str(path), unit)
 
 
 def _check_size(path: Path) -> None:
@@ -160,7 +168,7 @@ def _text_of(path: Path) -> str:
         raise ShapeError(f"{path}: not a text file; give GeoJSON, SVG, a picture or a JSON list of points") from None
 
 
-def _parse(text: str, name: str) -> FloatArray | BaseGeometry:
+def _parse(text: str, name: str, unit: CoordinateUnit | None) -> FloatArray | BaseGeometry:
     try:
         record = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
@@ -169,27 +177,35 @@ def _parse(text: str, name: str) -> FloatArray | BaseGeometry:
     if isinstance(record, dict) and "vertices" in record:
         return _points(record["vertices"], name)
     if isinstance(record, dict):
-        parts = [[_points(ring, name) for ring in rings] for rings in geojson_parts(record, name)]
-        return parts[0][0] if len(parts) == 1 and len(parts[0]) == 1 else _assembled(parts, name)
+        return _mapped(record, name, unit)
     return _points(record, name)
 
 
-def _assembled(parts: Sequence[Sequence[FloatArray]], name: str) -> Polygon | MultiPolygon:
-    """Return polygons with holes as one region.
+def _mapped(record: Mapping[str, object], name: str, unit: CoordinateUnit | None) -> FloatArray | BaseGeometry:
+    """Return what the polygons of a GeoJSON document cover together [m]: neighbors are one.
 
     Raises
     ------
     ShapeError
-        If a ring is no contour, or rings cross.
+        If a ring is no contour, holes cross the outline, or the unit is not clear.
     """
-    rings = [[checked_ring(ring, name) for ring in part] for part in parts]
-    polygons = [Polygon(outer, holes) for outer, *holes in rings]
-    region = polygons[0] if len(polygons) == 1 else MultiPolygon(polygons)
-    if not region.is_valid:
-        raise ShapeError(
-            f"{name}: {explain_validity(region)}; parts must not overlap, and holes must lie inside of their part"
-        )
-    return region
+    parts = [[_points(ring, name) for ring in rings] for rings in geojson_parts(record, name)]
+    rings = [ring for part in parts for ring in part if len(ring)]
+    if rings and unit_of(rings, record, unit, name) is CoordinateUnit.DEGREES:
+        flat = iter(projected([ring for part in parts for ring in part]))
+        parts = [[next(flat) for _ in part] for part in parts]
+    elif len(parts) == 1 and len(parts[0]) == 1:
+        return parts[0][0]
+    polygons = [_polygon(part, name) for part in parts]
+    return polygons[0] if len(polygons) == 1 else polygonal(shapely.union_all(polygons))
+
+
+def _polygon(rings: Sequence[FloatArray], name: str) -> Polygon:
+    outer, *holes = (checked_ring(ring, name, reach=math.inf) for ring in rings)
+    polygon = Polygon(outer, holes)
+    if not polygon.is_valid:
+        raise ShapeError(f"{name}: {explain_validity(polygon)}; holes must lie inside of their part")
+    return polygon
 
 
 def _points(rows: object, name: str) -> FloatArray:

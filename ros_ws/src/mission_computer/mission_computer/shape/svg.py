@@ -7,11 +7,14 @@ from collections.abc import Iterator
 from xml.etree.ElementTree import ParseError
 
 import numpy as np
+import shapely
 import svgelements
+from shapely import Polygon
 from shapely.errors import ShapelyError
 from shapely.geometry.base import BaseGeometry
 
 from mission_computer.shape.filling import FillRule, filled, polygonal
+from mission_computer.shape.svg_tree import drawn_document
 from swarm_msgs_py.errors import ShapeError
 from swarm_msgs_py.types import FloatArray
 
@@ -27,8 +30,10 @@ _DEFECTS = (
 def svg_region(text: str, name: str) -> BaseGeometry:
     """Return what a drawing fills, y upward, in its own units.
 
-    Paths, basic shapes, groups, ``use``, transforms, ``viewBox``, holes and both fill rules count; strokes have no
-    width. White shapes erase what is below them. In a drawing that fills nothing, the insides of its outlines count.
+    Paths, basic shapes, groups, ``use`` and symbols, nested viewports, transforms, style sheets, holes and both fill
+    rules count; what is hidden or fully transparent does not, nor do clips, masks and the width of strokes. White
+    shapes erase what is below them, but in a drawing that is all white they are the figure. In a drawing that fills
+    nothing, the insides of its outlines count.
 
     Parameters
     ----------
@@ -43,23 +48,47 @@ def svg_region(text: str, name: str) -> BaseGeometry:
         If it is no SVG, or nothing in it has area.
     """
     try:
-        document = svgelements.SVG.parse(io.StringIO(text), reify=True)
-        shapes = [shape for shape in document.elements() if isinstance(shape, svgelements.Shape)]
-        painted = [shape for shape in shapes if _color_of(shape) is not None]
-        region = _painted(painted or shapes)
+        document = svgelements.SVG.parse(io.StringIO(drawn_document(text)), reify=True)
+        shapes = list(_visible(document))
+        region = _painted(shapes)
     except _DEFECTS as error:
         raise ShapeError(f"{name}: not a sound SVG drawing ({type(error).__name__}); export it again") from None
+    if region is None:
+        raise ShapeError(f"{name}: white covers all that the drawing fills; delete the white shapes on top")
     if region.is_empty:
-        raise ShapeError(f"{name}: nothing in the drawing has area; convert texts and images in it to paths")
+        what = "has area; close its outlines, and" if shapes else "can be seen; show hidden layers, and"
+        raise ShapeError(f"{name}: nothing in the drawing {what} convert texts and images in it to paths")
     return region
 
 
-def _painted(shapes: list[svgelements.Shape]) -> BaseGeometry:
-    region = filled((), FillRule.NONZERO)
-    for shape in shapes:
-        area = filled(list(_rings(abs(svgelements.Path(shape)))), _rule_of(shape))
-        region = region.difference(area) if _color_of(shape) == WHITE else region.union(area)
-    return polygonal(region)
+def _visible(element: svgelements.SVGElement) -> Iterator[svgelements.Shape]:
+    """Yield the shapes of a tree that can be seen; what is in a transparent group cannot, whatever it says itself."""
+    if _share(element.values.get("attributes", {}).get("opacity")) <= 0.0:
+        return
+    if isinstance(element, svgelements.Shape):
+        if element.values.get("visibility") not in ("hidden", "collapse"):
+            yield element
+    elif isinstance(element, svgelements.Group):
+        for child in element:
+            yield from _visible(child)
+
+
+def _painted(shapes: list[svgelements.Shape]) -> BaseGeometry | None:
+    """Return what is left of the fills when all are painted in turn; None: only white."""
+    fills = [(_area(shape), _color_of(shape)) for shape in shapes if _color_of(shape) is not None]
+    fills = [(area, color) for area, color in fills if not area.is_empty]
+    if all(color == WHITE for _, color in fills):  # a white logo for a dark page, or outlines only
+        figure = [area for area, _ in fills] or [_area(shape) for shape in shapes if _is_stroked(shape)]
+        return polygonal(shapely.union_all(figure))
+    region: BaseGeometry = Polygon()
+    for area, color in fills:
+        region = region.difference(area) if color == WHITE else region.union(area)
+    left = polygonal(region)
+    return None if left.is_empty else left
+
+
+def _area(shape: svgelements.Shape) -> BaseGeometry:
+    return filled(list(_rings(abs(svgelements.Path(shape)))), _rule_of(shape))
 
 
 def _rings(path: svgelements.Path) -> Iterator[FloatArray]:
@@ -82,9 +111,23 @@ def _rings(path: svgelements.Path) -> Iterator[FloatArray]:
 def _color_of(shape: svgelements.Shape) -> int | None:
     """Return the RGB color that a shape is filled with; None: it is not."""
     fill = shape.fill
-    if fill is None or fill.value is None or fill.alpha == 0:
+    if fill is None or fill.value is None or fill.alpha == 0 or _share(shape.values.get("fill-opacity")) <= 0.0:
         return None
     return int(fill.value) >> 8
+
+
+def _is_stroked(shape: svgelements.Shape) -> bool:
+    stroke = shape.stroke
+    return stroke is not None and stroke.value is not None and stroke.alpha != 0
+
+
+def _share(text: str | None) -> float:
+    """Return an opacity, written as a number or in percent; what is neither hides nothing."""
+    try:
+        number = float((text or "1").removesuffix("%"))
+    except ValueError:
+        return 1.0
+    return number
 
 
 def _rule_of(shape: svgelements.Shape) -> FillRule:

@@ -40,15 +40,24 @@ def validate(points: FloatArray, name: str) -> FloatArray:
     return np.ascontiguousarray(simplify(checked_ring(points, name), name))
 
 
-def checked_ring(points: FloatArray, name: str) -> FloatArray:
-    """Return the points as a counter-clockwise contour of any number of vertices; as `validate` in all else."""
+def checked_ring(points: FloatArray, name: str, reach: float = COORDINATE_MAX) -> FloatArray:
+    """Return the points as a counter-clockwise contour of any number of vertices; as `validate` in all else.
+
+    Parameters
+    ----------
+    points, name
+        As for `validate`.
+    reach : float
+        No coordinate may be larger [m].
+    """
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         x, y = points[bad[0]]
         raise ShapeError(f"{name}: vertex {bad[0] + 1} is ({x:g}, {y:g}); every coordinate must be a finite number")
-    if points.size and np.abs(points).max() > COORDINATE_MAX:
+    if points.size and np.abs(points).max() > reach:
         raise ShapeError(
-            f"{name}: a coordinate of {np.abs(points).max():g} m is out of reach; give metres in the arena"
+            f"{name}: a coordinate of {np.abs(points).max():g} m is out of reach; give meters in the arena, or a size"
+            " (area_m2, fit_m)"
         )
     contour = _without_repetitions(points)
     if len(contour) < 3:

@@ -1,0 +1,1 @@
+"""The part of orders that needs ROS."""
