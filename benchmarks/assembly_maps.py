@@ -1,16 +1,23 @@
 """Steps, success and planning time of assemblies on the four maps of the paper, or on generated structures.
 
 PYTHONPATH=scripts python benchmarks/assembly_maps.py [--mode timed|tabu] [--seeds N] [--maps 1 2 3 4] [--cells M]
-[--outlines block ring cross] [--docks genderless gendered] [--first-seed S]
+[--outlines block ring cross] [--docks genderless gendered] [--first-seed S] [--out FILE]
+
+With ``--out`` finished runs are kept, and are not made again.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from time import thread_time
+from typing import Any
 
 import numpy as np
+from result_file import open_results
+from tables import print_head, print_row
 
 from mission_computer.assembly.generated import Outline, generate_problem
 from mission_computer.assembly.map_library import load_problem
@@ -19,11 +26,12 @@ from mission_computer.assembly.structure import Structure
 from mission_computer.assembly.tabu_search import TabuLimits
 from mission_computer.assembly.travel import distance_only_dispatch
 from studies.assembly_runs import assemble_decentralized
+from studies.campaign import ResultFile
 from swarm_msgs_py.assembly.docking import docked_groups
 from swarm_msgs_py.assembly.faces import Gender
 from swarm_msgs_py.assembly.plan import AssemblyPlan
 from swarm_msgs_py.assembly.problem import AssemblyProblem
-from swarm_msgs_py.errors import AssemblyError
+from swarm_msgs_py.errors import AssemblyError, ConfigError
 from swarm_sim.metrics.assembly import audit_assembly
 
 Planner = Callable[[AssemblyProblem, int], AssemblyPlan]
@@ -43,15 +51,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--outlines", nargs="+", default=[one.value for one in Outline], help="default: all")
     parser.add_argument("--docks", nargs="+", default=[one.value for one in Gender], help="default: both")
     parser.add_argument("--first-seed", type=int, default=0, help="to go on with (default: %(default)s)")
+    parser.add_argument("--out", type=Path, help="file of runs, one line of JSON each")
     options = parser.parse_args(arguments)
+    try:
+        file = open_results(options.out)
+    except ConfigError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     genders = [Gender(docks) for docks in options.docks]
     outlines = [Outline(outline) for outline in options.outlines]
-    print("| structure | docks | success | steps mean (max) | longest travel | found", end=" ")
-    print("| planning [s] mean (max) | control |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    columns = (
+        "structure",
+        "docks",
+        "success",
+        "steps mean (max)",
+        "longest travel",
+        "found",
+        "planning [s] mean (max)",
+    )
+    print_head([*columns, "control"])
     rows = _generated(outlines, options.cells, genders, seeds) if options.cells else _maps(options.maps, genders, seeds)
-    results = [_row(name, gender, problems, PLANNERS[options.mode]) for name, gender, problems in rows]
+    results = [_row(name, gender, problems, options.mode, file) for name, gender, problems in rows]
     return 0 if all(results) else 1
 
 
@@ -74,34 +95,53 @@ def _generated(
             yield f"{outline.value}-{cells}", gender, problems
 
 
-def _row(name: str, gender: Gender, problems: dict[int, AssemblyProblem], planner: Planner) -> bool:
+def _row(name: str, gender: Gender, problems: dict[int, AssemblyProblem], mode: str, file: ResultFile) -> bool:
     """Print one row; return whether every assembly was legal and complete."""
-    steps, travels, found, seconds = [], [], [], []
+    runs: list[dict[str, Any]] = []
     for seed, problem in problems.items():
-        before = thread_time()
-        try:
-            plan = planner(problem, seed)
-        except AssemblyError as error:
-            print(f"{error}")
-            continue
-        seconds.append(thread_time() - before)
-        found.append(plan.feasible)
-        travels.append(plan.dispatch.longest_travel(problem))
-        if plan.paths is not None:
-            audit = audit_assembly(problem, plan.dispatch, plan.paths.cells)
-        else:
-            audit = assemble_decentralized(problem, plan, seed).audit
-        if audit.is_legal_and_complete:
-            steps.append(audit.steps)
-        else:
-            print(f"{name}, seed {seed}: {audit.violations[0]}")
-    print(
-        f"| {name} | {gender.value} | {len(steps)} of {len(problems)} | {_mean(steps):.2f} ({max(steps, default=0)})"
-        f" | {_mean(travels):.1f} | {_mean(found):.0f} | {_mean(seconds):.2f} ({max(seconds, default=0.0):.2f})"
-        f" | {_control(next(iter(problems.values())))} pieces |",
-        flush=True,
+        key = f"{mode}, {name}, {gender.value}, seed {seed}"
+        if key not in file.records:
+            file.append(key, _run(problem, seed, PLANNERS[mode]))
+        runs.append(dict(file.records[key]))
+        if runs[-1]["failure"]:
+            print(f"{name}, seed {seed}: {runs[-1]['failure']}")
+    planned = [run for run in runs if run["seconds"] is not None]
+    steps = [run["steps"] for run in runs if not run["failure"]]
+    seconds = [run["seconds"] for run in planned]
+    print_row(
+        [
+            *(name, gender.value, f"{len(steps)} of {len(runs)}"),
+            f"{_mean(steps):.2f} ({max(steps, default=0)})",
+            f"{_mean([run['travel'] for run in planned]):.1f}",
+            f"{_mean([run['found'] for run in planned]):.0f}",
+            f"{_mean(seconds):.2f} ({max(seconds, default=0.0):.2f})",
+            f"{_control(next(iter(problems.values())))} pieces",
+        ]
     )
     return len(steps) == len(problems)
+
+
+def _run(problem: AssemblyProblem, seed: int, planner: Planner) -> dict[str, Any]:
+    """Return steps, travel, found dispatches and planning time of a run, and why it failed: empty if it did not."""
+    before = thread_time()
+    try:
+        plan = planner(problem, seed)
+    except AssemblyError as error:
+        return {"failure": str(error), "seconds": None}
+    seconds = thread_time() - before
+    if plan.paths is not None:
+        audit = audit_assembly(problem, plan.dispatch, plan.paths.cells)
+    else:
+        audit = assemble_decentralized(problem, plan, seed).audit
+    return {
+        "failure": ""
+        if audit.is_legal_and_complete
+        else "; ".join(audit.violations) or "the structure is not complete",
+        "seconds": seconds,
+        "found": plan.feasible,
+        "travel": plan.dispatch.longest_travel(problem),
+        "steps": audit.steps,
+    }
 
 
 def _mean(values: Sequence[float]) -> float:

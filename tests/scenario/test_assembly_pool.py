@@ -82,7 +82,10 @@ def test_without_a_spare_the_largest_part_is_built_and_said_so() -> None:
 
     assert outcome.report.state is ForemanState.DONE
     assert (outcome.report.built, outcome.report.wanted) == (3, 4)
-    assert outcome.report.note == "boat 3 fell silent on its way; 1 of 4 places are given up"
+    assert outcome.report.note == (
+        "boat 3 fell silent on its way; 1 of 4 places are given up; "
+        "finished the largest connected sub-structure: 3 of 4"
+    )
     assert outcome.audit.is_complete_and_clean
 
 
@@ -111,7 +114,19 @@ def test_a_dock_that_does_not_hold_is_noticed_and_the_rest_is_built() -> None:
     assert outcome.report.state in (ForemanState.DONE, ForemanState.GAVE_UP)
     assert "do not hold" in outcome.report.note
     assert 2 <= outcome.report.built < 4
+    assert f"largest connected sub-structure: {outcome.report.built} of 4" in outcome.report.note
     assert not [line for line in outcome.audit.violations if "no such neighbors" in line or "ran into" in line]
+
+
+def test_a_spare_boat_takes_the_place_of_one_whose_magnets_fail() -> None:
+    problem = load_problem("boats_4_line", Gender.GENDERLESS)
+    problem = replace(problem, starts=(*problem.starts, (8, 14)), layouts=(*problem.layouts, (1, 1, 1, 1)))
+    plan = plan_with_timed_paths(problem, 1, QUICK)
+    boat = plan.dispatch.boats[0]
+
+    outcome = assemble_in_pool(problem, plan, 1, BodyKind.BULLET, Faults(magnets={(boat, face): 1.0 for face in Face}))
+
+    assert is_built(outcome), (outcome.report, outcome.audit)
 
 
 def test_equal_seeds_give_equal_assemblies() -> None:

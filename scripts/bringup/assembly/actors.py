@@ -6,63 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bringup.alike_actors import AlikeActors
 from bringup.assembly.planning import planned
 from bringup.assembly.scenario import FACES, AssemblyScenario
 from bringup.scenario import tick_from
-from mission_computer.assembly.desk import AssemblyDesk, DeskConfig
+from mission_computer.assembly.desk import AssemblyDesk
 from swarm_agent.assembly.agent import AssemblyAgent
-from swarm_agent.assembly.steering import SkipperConfig
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.types import FloatArray, NodeId
 from swarm_sim.boats.config import CELL_M
 from swarm_sim.boats.pool import Fleet
-from swarm_sim.boats.simulation import BoatSimConfig, BoatSimulation, PoolScene
+from swarm_sim.boats.simulation import BoatSimulation, PoolScene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AssemblyActors:
-    """The actors of one resolved scenario; implements `bringup.engine.Actors`.
-
-    Attributes
-    ----------
-    scenario : AssemblyScenario
-    """
-
-    scenario: AssemblyScenario
-
-    @property
-    def family(self) -> str:
-        """Name of the family of behavior."""
-        return self.scenario.family.value
-
-    @property
-    def robots(self) -> tuple[NodeId, ...]:
-        """All boats, ascending."""
-        return tuple(NodeId(boat) for boat in range(self.scenario.boats))
-
-    @property
-    def period_s(self) -> float:
-        """Control period [s]."""
-        return self.scenario.sim.period_s
-
-    @property
-    def image_hz(self) -> float | None:
-        """How many images a second an overhead camera takes; None without one."""
-        return None
-
-    @property
-    def world_config(self) -> BoatSimConfig:
-        """Settings of the world."""
-        return self.scenario.sim
-
-    @property
-    def mission_config(self) -> DeskConfig:
-        """Settings of the mission computer."""
-        return self.scenario.mission
-
-    def agent_config(self, robot: NodeId) -> SkipperConfig:  # noqa: ARG002 - all alike
-        """Return the settings of one boat."""
-        return self.scenario.agent
+class AssemblyActors(AlikeActors[AssemblyScenario]):
+    """The actors of one resolved scenario; implements `bringup.engine.Actors`."""
 
     def simulation(self) -> BoatSimulation:
         """Make the world at tick 0."""
@@ -85,7 +44,7 @@ class AssemblyActors:
 
     def agent(self, robot: NodeId) -> AssemblyAgent:
         """Make one boat's agent."""
-        return AssemblyAgent(robot, self.agent_config(robot), self.period_s)
+        return AssemblyAgent(robot, self.scenario.agent, self.period_s)
 
 
 def start_poses(problem: AssemblyProblem) -> FloatArray:

@@ -6,37 +6,34 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from bringup.alike_actors import AlikeActors
 from bringup.coverage.scenario import CoverageScenario
 from bringup.coverage.starts import LEADER, start_positions
 from bringup.scenario import tick_from
-from mission_computer.order_desk import OrderConfig, OrderDesk
+from mission_computer.order_desk import OrderDesk
 from swarm_agent.coverage.agent import CoverageAgent
-from swarm_agent.coverage.config import CoverageConfig
 from swarm_msgs_py.coverage_orders import AT_REST, CoverageOrder
 from swarm_msgs_py.geometry.solids.barriers import Barriers
 from swarm_msgs_py.geometry.solids.description import packed_description, solid_from
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import NodeId
-from swarm_sim.points.config import PointSimConfig
 from swarm_sim.points.simulation import PointScene, PointSimulation
 
 SEEDS = 2**31  # of the robots' lots
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CoverageActors:
+class CoverageActors(AlikeActors[CoverageScenario]):
     """The actors of one resolved scenario; implements `bringup.engine.Actors`.
 
     Attributes
     ----------
-    scenario : CoverageScenario
     scene : PointScene
         Who is where at the start; made once, before the processes part.
     lots : int
         Seed of what the robots draw: one that says nothing of the world's.
     """
 
-    scenario: CoverageScenario
     scene: PointScene = field(init=False)
     lots: int = field(init=False)
 
@@ -44,40 +41,6 @@ class CoverageActors:
         """Place everything."""
         object.__setattr__(self, "scene", make_scene(self.scenario))
         object.__setattr__(self, "lots", int(rng_for(self.scenario.seed, "coverage", "lots").integers(SEEDS)))
-
-    @property
-    def family(self) -> str:
-        """Name of the family of behavior."""
-        return self.scenario.family.value
-
-    @property
-    def robots(self) -> tuple[NodeId, ...]:
-        """All robots, ascending."""
-        return tuple(NodeId(robot) for robot in range(self.scenario.robots.count))
-
-    @property
-    def period_s(self) -> float:
-        """Control period [s]."""
-        return self.scenario.sim.period_s
-
-    @property
-    def image_hz(self) -> float | None:
-        """How many images a second an overhead camera takes; None without one."""
-        return None
-
-    @property
-    def world_config(self) -> PointSimConfig:
-        """Settings of the world."""
-        return self.scenario.sim
-
-    @property
-    def mission_config(self) -> OrderConfig:
-        """Settings of the mission computer."""
-        return self.scenario.mission
-
-    def agent_config(self, robot: NodeId) -> CoverageConfig:  # noqa: ARG002 - all alike
-        """Return the settings of one robot."""
-        return self.scenario.agent
 
     def simulation(self) -> PointSimulation:
         """Make the world at tick 0."""
@@ -93,7 +56,7 @@ class CoverageActors:
         """Make one robot's agent. The operator tells it the obstacles; the leader alone hears where it is."""
         return CoverageAgent(
             robot,
-            self.agent_config(robot),
+            self.scenario.agent,
             self.period_s,
             self.lots,
             is_leader=robot == LEADER,

@@ -147,9 +147,17 @@ def test_boats_assemble_on_the_grid(capsys: pytest.CaptureFixture[str]) -> None:
     assert "| map_1 | genderless | 1 of 1 |" in capsys.readouterr().out
 
 
-def test_boats_assemble_in_the_pool(capsys: pytest.CaptureFixture[str]) -> None:
-    assert assembly_pool.main(["--maps", "boats_4_line", "--bodies", "planar", "--seeds", "1"]) == 0
-    assert "| " in capsys.readouterr().out
+def test_boats_assemble_in_the_pool_and_finished_runs_are_kept(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "runs.jsonl"
+    words = ["--maps", "boats_4_line", "--docks", "genderless", "--bodies", "planar", "--seeds", "1", "--out", str(out)]
+    assert assembly_pool.main(words) == 0
+    table, kept = capsys.readouterr().out, out.read_text()
+
+    assert assembly_pool.main(words) == 0
+    assert "| boats_4_line | genderless | 1 of 1 | 4.0 (4) of 4 | 0 |" in table
+    assert (capsys.readouterr().out, out.read_text()) == (table, kept)
 
 
 def test_no_benchmark_is_left_out() -> None:

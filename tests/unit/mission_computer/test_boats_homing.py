@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 from assembly_problems import ALL_SIDES, block, problem_of
 
@@ -30,6 +32,19 @@ def test_a_boat_waits_for_one_that_passes() -> None:
 
 def test_a_goal_too_near_to_a_boat_that_stays_is_out_of_reach() -> None:
     assert SpaceTime(PROBLEM, [(8, 8)], 30).earliest((1, 1), (7, 7)) is None
+
+
+def test_a_boat_that_was_stopped_beside_another_leaves_from_there_but_passes_no_other_such_place() -> None:
+    midway = replace(PROBLEM, is_midway=True)
+    space = SpaceTime(midway, [(8, 8)], 30)
+
+    back = space.earliest((1, 7), (7, 7))
+    past = space.earliest((6, 6), (8, 5))
+
+    assert back is not None
+    assert np.abs(back[:-1] - (8, 8)).max(axis=1).min() >= CLEARANCE
+    assert past is not None
+    assert np.abs(past - (8, 8)).max(axis=1).min() >= CLEARANCE
 
 
 def test_two_boats_that_exchange_places_keep_clear() -> None:

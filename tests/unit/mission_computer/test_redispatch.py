@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from assembly_problems import ALL_SIDES, block, problem_of
 
 from mission_computer.assembly.redispatch import Midway, plan_rest
 from mission_computer.assembly.timed_plan import TimedLimits
 from swarm_msgs_py.assembly.plan import AssemblyPlan, Dispatch
-from swarm_msgs_py.assembly.problem import AssemblyProblem
+from swarm_msgs_py.assembly.problem import CLEARANCE, AssemblyProblem
 from swarm_msgs_py.errors import NoDispatchError
 from swarm_sim.metrics.assembly import audit_assembly
 
@@ -49,6 +50,33 @@ def test_a_spare_boat_replaces_a_dead_one() -> None:
 
     assert problem.target_count == 4
     assert sorted(plan.dispatch.boats) == [0, 1, 3, 4]
+
+
+def test_a_boat_whose_docks_did_not_hold_is_left_out_only_while_there_is_another() -> None:
+    starts = [(5, 5), (5, 10), (20, 5), (20, 12), (25, 25)]
+    suspicious = replace(midway(starts, (), frozenset()), suspects=frozenset({2}))
+    alone = replace(midway(starts[:4], (), frozenset()), suspects=frozenset({2}))
+
+    _, with_spare = checked(plan_rest(suspicious, 1, LIMITS))
+    _, without = checked(plan_rest(alone, 1, LIMITS))
+
+    assert sorted(with_spare.dispatch.boats) == [0, 1, 3, 4]
+    assert sorted(without.dispatch.boats) == [0, 1, 2, 3]
+
+
+def test_nothing_is_built_beside_a_boat_that_stays_behind() -> None:
+    starts = [(5, 5), (5, 6), (20, 12), (12, 20), (5, 7)]
+    stopped = replace(midway(starts, ((0, 1),), frozenset()), suspects=frozenset({4}))
+    layouts = (*stopped.problem.layouts[:4], (1, 0, 1, 1))  # its lower side met boat 1, and did not hold
+    stopped = replace(stopped, problem=replace(stopped.problem, layouts=layouts))
+
+    problem, plan = checked(plan_rest(stopped, 1, LIMITS))
+
+    assert problem.target_count == 4
+    assert sorted(plan.dispatch.boats) == [0, 1, 2, 3]
+    assert plan.paths is not None
+    gaps = np.abs(plan.paths.cells[1:, :4] - np.array(starts[4])).max(axis=2)
+    assert gaps.min() >= CLEARANCE
 
 
 def test_without_a_spare_as_many_places_as_possible_are_kept() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from assembly_problems import ALL_SIDES, problem_of
 
 from swarm_msgs_py.assembly.plan import AssemblyTree, Axis, Dispatch, TimedPaths, TreeNode
-from swarm_msgs_py.assembly.precedence import crews_of, needed_steps, waits_in_ring
+from swarm_msgs_py.assembly.precedence import crews_of, needed_steps, turning_step, waits_in_ring
 
 LINE = problem_of([(10, 10), (11, 10)], [ALL_SIDES] * 2, starts=[(6, 10), (13, 10)])
 PAIR = AssemblyTree((TreeNode((0, 1), -1, (1, 2), Axis.X, 10), TreeNode((0,), 0), TreeNode((1,), 0)))
@@ -32,6 +32,14 @@ def test_partners_make_the_last_step_together() -> None:
 
     assert needed_steps(crews, MEETING.cells, boats, 0, 3) == {1: 3}
     assert needed_steps(crews, MEETING.cells, boats, 0, 0) == {}
+
+
+def test_boats_turn_where_they_start_unless_somebody_is_beside_them() -> None:
+    crews = crews_of(LINE, STRAIGHT, PAIR, MEETING, 0)
+    beside = paths([(8, 10), (9, 10)], [(8, 10), (10, 10)], [(7, 10), (10, 10)], [(10, 10), (11, 10)])
+
+    assert turning_step(LINE, crews, MEETING.cells, 0) == 0
+    assert turning_step(LINE, crews_of(LINE, STRAIGHT, PAIR, beside, 0), beside.cells, 0) == 1
 
 
 def test_paths_that_only_follow_or_meet_have_no_ring() -> None:

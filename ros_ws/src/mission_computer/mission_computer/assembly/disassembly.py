@@ -107,8 +107,6 @@ class Disassembly:
         self._manner = manner
         self._rng = rng
         self._goals = [self.lattice.number(problem.starts[boat]) for boat in dispatch.boats]
-        for goal in self._goals:
-            self.lattice.is_closed[goal] = False  # a boat may be where it is, however near to what
         self._goal_cells = [problem.starts[boat] for boat in dispatch.boats]
         whole = (1 << problem.target_count) - 1
         self._groups = [_Group(whole, members(whole), [self.lattice.number(cell) for cell in problem.targets])]
@@ -116,6 +114,12 @@ class Disassembly:
         self._next = [-1] * self.lattice.count  # group that will be there
         self.history = [list(self._groups[0].cells)]
         self.cuts: dict[Part, Cut] = {}
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether the finished structure keeps clear of everything that never moves."""
+        whole = self._groups[0]
+        return len(self.history) > 1 or self._may_be_at(whole.targets, whole.cells)
 
     @property
     def is_apart(self) -> bool:
@@ -181,26 +185,29 @@ class Disassembly:
 
     def _choices(self, group: _Group) -> list[_Choice]:
         latest = max(self._expected(group))
-        choices = [_Choice(0.0, [_Group(group.part, group.targets, cells)]) for cells in self._moves(group.cells)]
+        choices = [_Choice(0.0, [_Group(group.part, group.targets, cells)]) for cells in self._moves(group)]
         choices += self._splits(group)
         noise = self._rng.random(len(choices)) * self._manner.noise
         for choice, chance in zip(choices, noise.tolist(), strict=True):
             choice.score = self._score(choice.results, latest) * (1.0 + chance)
         return sorted(choices, key=lambda choice: choice.score)
 
-    def _moves(self, cells: list[int]) -> Iterator[list[int]]:
+    def _may_be_at(self, targets: tuple[int, ...], cells: list[int]) -> bool:
+        """Return whether cells are open; a boat may be where it starts, however near to what."""
+        closed, goals = self.lattice.is_closed, self._goals
+        return not any(closed[cell] and goals[target] != cell for target, cell in zip(targets, cells, strict=True))
+
+    def _moves(self, group: _Group) -> Iterator[list[int]]:
         """Yield the cells of a rigid group that stays, and that makes a step in each direction."""
-        closed = self.lattice.is_closed
-        yield cells
+        yield group.cells
         for move in self.lattice.moves:
-            moved = [cell + move for cell in cells]
-            if not any(closed[cell] for cell in moved):
+            moved = [cell + move for cell in group.cells]
+            if self._may_be_at(group.targets, moved):
                 yield moved
 
     def _splits(self, group: _Group) -> Iterator[_Choice]:
         if self._forest.is_atom(group.part):
             return
-        closed = self.lattice.is_closed
         place = dict(zip(group.targets, group.cells, strict=True))
         for cut in self._forest.valid_cuts(group.part):
             low, high = members(cut.low), members(cut.high)
@@ -210,7 +217,7 @@ class Disassembly:
                     _Group(part, targets, [place[target] + move for target in targets])
                     for part, targets, move in ((cut.low, low, low_move), (cut.high, high, high_move))
                 ]
-                if not any(closed[cell] for part in results for cell in part.cells):
+                if all(self._may_be_at(part.targets, part.cells) for part in results):
                     yield _Choice(0.0, results, cut)
 
     def _choose(self, number: int, state: _Round) -> bool:

@@ -11,19 +11,21 @@ and when nobody has come any farther for long, and the rest is planned here.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
+from mission_computer.assembly.dock_faults import Side, broken_sides
 from mission_computer.assembly.found_ways import FoundWays
 from mission_computer.assembly.redispatch import Midway, plan_rest
 from mission_computer.assembly.timed_plan import TimedLimits
 from swarm_msgs_py.assembly.boat_frames import BoatFrame
 from swarm_msgs_py.assembly.docking import docked_contacts
-from swarm_msgs_py.assembly.faces import Cell, Face, Layout, turned
+from swarm_msgs_py.assembly.faces import Cell, Face, Layout, turned, turned_face
 from swarm_msgs_py.assembly.plan import AssemblyPlan, TimedPaths
+from swarm_msgs_py.assembly.precedence import crews_of, turning_step
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame
 from swarm_msgs_py.errors import NoDispatchError
@@ -105,6 +107,9 @@ class Foreman:
         self._state = ForemanState.WATCHING
         self._settled = 0
         self._notes: list[str] = []
+        self._turned = [0] * problem.boat_count  # quarter turns since the start, before those of the present plan
+        self._held: set[Side] = set()
+        self._failed: list[tuple[Side, Side]] = []
 
     def step(self, tick: int, frames: Sequence[ProgressFrame], words: Sequence[BoatFrame] = ()) -> ForemanReport:
         """Listen for one tick, and decide."""
@@ -113,6 +118,7 @@ class Foreman:
             self._alive_at[frame.boat] = tick
             if frame.epoch == self.epoch:
                 self._heard[frame.boat] = frame
+                self._held |= {self._side(frame.boat, face) for face in frame.contacts}
         if self._state is ForemanState.WATCHING:
             self._watch(tick)
         elif self._state is ForemanState.STOPPING:
@@ -215,14 +221,19 @@ class Foreman:
             between = {self._found_ways.next_of(boat) for boat in dead}
         else:
             starts, between = self._by_steps(paths, groups, dead)
+        self._failed += self._open_docks(groups)
+        broken = broken_sides(self._failed, self._held)
+        docked = {boat for group in groups for boat in group}
         stopped = replace(
             problem,
             starts=tuple(starts),
-            layouts=self._working_layouts(groups),
+            layouts=self._working_layouts(broken),
             obstacles=tuple(sorted({*problem.obstacles, *(between - set(starts))})),
             is_midway=True,
         )
-        return Midway(stopped, dispatch, tuple(groups), frozenset(dead))
+        return Midway(
+            stopped, dispatch, tuple(groups), frozenset(dead), frozenset(boat for boat, _ in broken) - frozenset(docked)
+        )
 
     def _by_steps(
         self, paths: TimedPaths, groups: Sequence[tuple[int, ...]], dead: set[int]
@@ -241,21 +252,46 @@ class Foreman:
         between = {_cell(cells[min(steps[boat] + 1, len(cells) - 1), boat]) for boat in dead - docked if boat in steps}
         return starts, between
 
-    def _working_layouts(self, groups: Sequence[tuple[int, ...]]) -> tuple[Layout, ...]:
-        """Return how boats are turned now, without the mechanisms that met and do not hold."""
-        problem, dispatch = self.problem, self.plan.dispatch
-        layouts = [list(layout) for layout in problem.layouts]
-        for boat, turns in zip(dispatch.boats, dispatch.turns, strict=True):
-            layouts[boat] = list(turned(problem.layouts[boat], turns))
+    def _working_layouts(self, broken: Collection[Side]) -> tuple[Layout, ...]:
+        """Return how boats are turned now, without the mechanisms that are broken, and remember the turns."""
+        layouts = list(self.problem.layouts)
+        for boat, turns in zip(self.plan.dispatch.boats, self.plan.dispatch.turns, strict=True):
+            if self._has_turned(boat):
+                layouts[boat] = turned(layouts[boat], turns)
+                self._turned[boat] += turns
+        for boat, face in broken:
+            working = list(layouts[boat])
+            working[turned_face(face, self._turned[boat])] = 0
+            layouts[boat] = (working[Face.UP], working[Face.DOWN], working[Face.LEFT], working[Face.RIGHT])
+        return tuple(layouts)
+
+    def _has_turned(self, boat: int) -> bool:
+        paths = self.plan.paths
+        if paths is None:
+            return True  # they turn where they start
+        crews = crews_of(self.problem, self.plan.dispatch, self.plan.tree, paths, boat)
+        done = self._heard[boat].steps_done if boat in self._heard else 0
+        return done >= turning_step(self.problem, crews, paths.cells, boat)
+
+    def _side(self, boat: int, face: Face) -> Side:
+        """Return a side of a boat that looks to a side of the grid when the boat is turned for its target."""
+        dispatch = self.plan.dispatch
+        turns = dispatch.turns[dispatch.boats.index(boat)] if boat in dispatch.boats else 0
+        return boat, turned_face(face, -(self._turned[boat] + turns))
+
+    def _open_docks(self, groups: Sequence[tuple[int, ...]]) -> list[tuple[Side, Side]]:
+        """Return the pairs of sides that met and do not hold."""
+        dispatch = self.plan.dispatch
         group_of = {boat: number for number, group in enumerate(groups) for boat in group}
-        for contact in docked_contacts(problem.targets, self._layouts_at_targets(), problem.gender):
+        found = []
+        for contact in docked_contacts(self.problem.targets, self._layouts_at_targets(), self.problem.gender):
             one, other = dispatch.boats[contact.one], dispatch.boats[contact.other]
             is_closed = self._tells(one, contact.face) or self._tells(other, contact.face.opposite)
             have_met = group_of.get(one, -1 - one) == group_of.get(other, -1 - other)
             is_stuck = any(boat in self._heard and self._heard[boat].is_stuck for boat in (one, other))
             if not is_closed and (have_met or (is_stuck and self._are_neighbors(one, other, contact.face))):
-                layouts[one][contact.face] = layouts[other][contact.face.opposite] = 0
-        return tuple((up, down, left, right) for up, down, left, right in layouts)
+                found.append((self._side(one, contact.face), self._side(other, contact.face.opposite)))
+        return found
 
     def _are_neighbors(self, one: int, other: int, face: Face) -> bool:
         if one not in self._heard or other not in self._heard:
@@ -269,14 +305,12 @@ class Foreman:
 
     def _report(self) -> ForemanReport:
         groups = self._groups()
-        return ForemanReport(
-            self._state,
-            self.epoch,
-            self._state is ForemanState.STOPPING,
-            len(groups[0]) if groups else 1,
-            len(self._wanted),
-            "; ".join(self._notes),
-        )
+        built, wanted = len(groups[0]) if groups else 1, len(self._wanted)
+        notes = list(self._notes)
+        if self._state in (ForemanState.DONE, ForemanState.GAVE_UP) and built < wanted:
+            notes.append(f"finished the largest connected sub-structure: {built} of {wanted}")
+        is_halting = self._state is ForemanState.STOPPING
+        return ForemanReport(self._state, self.epoch, is_halting, built, wanted, "; ".join(notes))
 
 
 def _what(lost: Sequence[int], stuck: Sequence[int]) -> str:

@@ -53,13 +53,9 @@ class SpaceTime:
         Boats that never move.
     steps : int
         Last step that is looked at.
-    havens : sequence of Cell
-        Where boats may be however near an obstacle is.
     """
 
-    def __init__(
-        self, problem: AssemblyProblem, obstacles: Sequence[Cell], steps: int, havens: Sequence[Cell] = ()
-    ) -> None:
+    def __init__(self, problem: AssemblyProblem, obstacles: Sequence[Cell], steps: int) -> None:
         columns, rows = problem.size
         self._origin = problem.origin
         # A border of one cell all around, so that a step off the grid lands on a cell that is never free.
@@ -68,9 +64,9 @@ class SpaceTime:
         for cell in obstacles:
             x, y = self._index(cell)
             still[x - REACH : x + REACH + 1, y - REACH : y + REACH + 1] = True
-        for cell in havens:
-            still[self._index(cell)] = False
         self._taken: BoolArray = np.repeat(still[None], steps + 1, axis=0)
+        # A boat that was stopped may be where it stopped, however near an obstacle is: only boats can take its goal.
+        self._by_boats: BoolArray | None = np.zeros_like(self._taken) if problem.is_midway else None
         self._steps = steps
 
     def earliest(
@@ -88,6 +84,12 @@ class SpaceTime:
         """
         if len(crew) > 1:
             return self._for_crew(crew).earliest(start, goal, self._around(waiting, crew), patience)
+        if self._by_boats is not None:
+            column = (slice(None), *self._index(goal))
+            other = copy(self)
+            other._taken, other._by_boats = self._taken.copy(), None
+            other._taken[column] = self._by_boats[column]
+            return other.earliest(start, goal, waiting, patience)
         held = np.zeros_like(self._taken[0])
         for cell in waiting:
             x, y = self._index(cell)
@@ -110,14 +112,8 @@ class SpaceTime:
     def _for_crew(self, crew: Sequence[Cell]) -> SpaceTime:
         """Return the space in which a group is a point: taken where any of its boats would be in the way."""
         other = copy(self)
-        columns, rows = self._taken.shape[1:]
-        other._taken = np.zeros_like(self._taken)
-        for dx, dy in crew:
-            moved = np.ones_like(self._taken)
-            moved[:, max(0, -dx) : columns - max(0, dx), max(0, -dy) : rows - max(0, dy)] = self._taken[
-                :, max(0, dx) : columns - max(0, -dx), max(0, dy) : rows - max(0, -dy)
-            ]
-            other._taken |= moved
+        other._taken = _for_any(self._taken, crew)
+        other._by_boats = None if self._by_boats is None else _for_any(self._by_boats, crew)
         return other
 
     def _around(self, cells: Sequence[Cell], crew: Sequence[Cell]) -> list[Cell]:
@@ -139,6 +135,8 @@ class SpaceTime:
         for dx in range(-REACH, REACH + 1):
             for dy in range(-REACH, REACH + 1):
                 self._taken[steps, x + dx, y + dy] = True
+                if self._by_boats is not None:
+                    self._by_boats[steps, x + dx, y + dy] = True
 
     def _index(self, cell: Cell) -> Cell:
         return cell[0] - self._origin[0] + 1, cell[1] - self._origin[1] + 1
@@ -203,10 +201,9 @@ def plan_homing(  # noqa: PLR0913, PLR0917 - a whole problem of its own
     ways = [manhattan(here[crew[0]], goals[crew[0]]) for crew in crews]
     order = sorted(range(len(crews)), key=lambda crew: (-ways[crew], crews[crew]))
     horizon = max(ways, default=0) + limits.detour
-    havens = goals if problem.is_midway else ()
     best: IntArray | None = None
     for attempt in range(limits.attempts):
-        space = SpaceTime(problem, obstacles, horizon, havens)
+        space = SpaceTime(problem, obstacles, horizon)
         patience = PATIENCE_STEPS[attempt % len(PATIENCE_STEPS)]
         paths: dict[int, IntArray] = {}
         for place, number in enumerate(order):
@@ -232,6 +229,19 @@ def plan_homing(  # noqa: PLR0913, PLR0917 - a whole problem of its own
         order.remove(late)
         order.insert(0, late)
     return best
+
+
+def _for_any(taken: BoolArray, crew: Sequence[Cell]) -> BoolArray:
+    """Return where any boat of a crew would be at a cell that is taken, or off the grid."""
+    columns, rows = taken.shape[1:]
+    found: BoolArray = np.zeros_like(taken)
+    for dx, dy in crew:
+        moved = np.ones_like(taken)
+        moved[:, max(0, -dx) : columns - max(0, dx), max(0, -dy) : rows - max(0, dy)] = taken[
+            :, max(0, dx) : columns - max(0, -dx), max(0, dy) : rows - max(0, -dy)
+        ]
+        found |= moved
+    return found
 
 
 def _stacked(paths: dict[int, IntArray], steps: int) -> IntArray:

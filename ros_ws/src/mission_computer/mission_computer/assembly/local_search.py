@@ -31,12 +31,13 @@ class LocalSearchLimits:
     Attributes
     ----------
     moves_per_target : int
-        Moves per target of the structure before the search gives up.
+        Moves per target of the structure before the search gives up, and a longer travel is allowed. Searches that
+        succeed need a few; one that fails should cost no more than some of those.
     partners : int
         Boats that are considered for an exchange at each end of a contact.
     """
 
-    moves_per_target: int = 60
+    moves_per_target: int = 10
     partners: int = 24
 
 

@@ -49,12 +49,15 @@ class Midway:
         Boats that are docked with each other, in groups of two or more.
     dead : frozenset of int
         Boats that move no more; in a group they are carried along.
+    suspects : frozenset of int
+        Boats on their own whose docks did not hold; others are preferred to them.
     """
 
     problem: AssemblyProblem
     dispatch: Dispatch
     groups: tuple[tuple[int, ...], ...]
     dead: frozenset[int]
+    suspects: frozenset[int] = frozenset()
 
 
 def plan_rest(midway: Midway, seed: int, limits: TimedLimits) -> tuple[AssemblyProblem, AssemblyPlan]:
@@ -82,13 +85,14 @@ def plan_rest(midway: Midway, seed: int, limits: TimedLimits) -> tuple[AssemblyP
         fixed = {boat: places[target_of[boat]] for group in stands for boat in group}
         atoms = [part_of(fixed[boat] for boat in group) for group in stands]
         left_out = {boat for group in groups if group not in stands for boat in group}
-        found = _dispatch(smaller, Structure(smaller.targets, atoms), fixed, left_out, seed)
-        if found is None:
-            continue
-        for shifted in _beside(smaller):
-            plan = _moves(shifted, found, atoms, seed, limits)
-            if plan is not None:
-                return shifted, plan
+        for unwanted in dict.fromkeys((midway.suspects - set(fixed), frozenset())):
+            found = _dispatch(smaller, Structure(smaller.targets, atoms), fixed, left_out | unwanted, seed)
+            if found is None:
+                continue
+            for shifted in _beside(smaller):
+                plan = _moves(shifted, found, atoms, seed, limits)
+                if plan is not None:
+                    return shifted, plan
     raise NoDispatchError(f"{problem.name}: nothing can be added to what stands with the boats that are left")
 
 

@@ -84,6 +84,8 @@ def _come_apart(
     problem: AssemblyProblem, dispatch: Dispatch, disassembly: Disassembly, steps_max: int
 ) -> IntArray | None:
     """Return the backward cells of the boats of all targets, (steps + 1, M, 2); None beyond `steps_max` steps."""
+    if not disassembly.is_clear:
+        return None
     while not disassembly.is_apart:
         if disassembly.expected_end > steps_max:
             return None

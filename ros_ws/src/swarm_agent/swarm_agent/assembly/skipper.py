@@ -52,7 +52,7 @@ class Skipper:
         self._holds = CrewContacts(orders.problem, orders.dispatch)
         self._cells = config.cell_m * orders.paths.cells[:, boat]
         turns = orders.dispatch.turns[orders.dispatch.boats.index(boat)]
-        self._heading = start_heading(heading, turns)
+        self._headings = start_heading(heading, 0), start_heading(heading, turns)
         self._met_tick: int | None = None
         self.is_halting = False
         self._heard: dict[int, ProgressFrame] = {}  # of the same plan
@@ -109,7 +109,7 @@ class Skipper:
 
     def _target(self, tick: int) -> FloatArray:
         step = self._follower.steps_done + self._is_moving(tick)
-        return np.append(self._cells[step], self._heading)
+        return np.append(self._cells[step], self._headings[step >= self._follower.turning_step])
 
     def _has_arrived(self, inputs: SkipperInputs) -> bool:
         return has_arrived(self._config, self._target(inputs.tick), inputs)

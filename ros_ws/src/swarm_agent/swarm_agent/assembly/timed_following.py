@@ -12,7 +12,7 @@ import numpy as np
 
 from swarm_msgs_py.assembly.boat_frames import Move
 from swarm_msgs_py.assembly.plan import AssemblyTree, Dispatch, TimedPaths
-from swarm_msgs_py.assembly.precedence import crews_of, needed_steps
+from swarm_msgs_py.assembly.precedence import crews_of, needed_steps, turning_step
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 
 
@@ -37,6 +37,7 @@ class TimedFollower:
         self._boat = boat
         self.steps_done = 0
         self._crews = crews_of(problem, dispatch, tree, paths, boat)
+        self.turning_step = turning_step(problem, self._crews, paths.cells, boat)
         movers = np.array(sorted(dispatch.boats))
         self._waits = [needed_steps(self._crews, paths.cells, movers, boat, step) for step in range(paths.steps)]
 

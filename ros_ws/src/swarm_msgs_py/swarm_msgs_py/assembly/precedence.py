@@ -22,18 +22,25 @@ Crew = tuple[int, ...]
 def crews_of(
     problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths, boat: int
 ) -> list[Crew]:
-    """Return the docked group of a boat at each step, ascending: the largest node that stands as in the structure."""
+    """Return the docked group of a boat at each step, ascending.
+
+    That is the largest node that stands as in the structure from that step on. Boats that were stopped may have stood
+    so before without holding each other.
+    """
     shifts = paths.cells[:, list(dispatch.boats)] - np.array(problem.targets)
     node = tree.leaf_of()[dispatch.boats.index(boat)]
-    found = []
-    for row in shifts:
-        while node > 0:
-            larger = row[list(tree.nodes[tree.nodes[node].parent].targets)]
-            if (larger != larger[0]).any():
-                break
-            node = tree.nodes[node].parent
-        found.append(tuple(sorted(dispatch.boats[target] for target in tree.nodes[node].targets)))
-    return found
+    found: list[Crew] = []
+    while True:
+        joins = len(shifts)
+        if node > 0:
+            larger = shifts[:, list(tree.nodes[tree.nodes[node].parent].targets)]
+            apart = np.flatnonzero((larger != larger[:, :1]).any(axis=(1, 2)))
+            joins = int(apart[-1]) + 1 if len(apart) else 0
+        crew = tuple(sorted(dispatch.boats[target] for target in tree.nodes[node].targets))
+        found += [crew] * (joins - len(found))
+        if len(found) == len(shifts):
+            return found
+        node = tree.nodes[node].parent
 
 
 def nodes_at(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, cells: IntArray) -> list[int]:
@@ -77,6 +84,28 @@ def needed_steps(crews: list[Crew], cells: IntArray, others: IntArray, boat: int
         elif len(steps):
             needed[other] = int(steps[-1]) + 1
     return needed
+
+
+def turning_step(problem: AssemblyProblem, crews: list[Crew], cells: IntArray, boat: int) -> int:
+    """Return the first step at which a boat may be turned: nobody but its group is beside it.
+
+    Boats start with room around them, and turn there. Boats that were stopped may stand beside each other without
+    holding each other; then hulls would meet if one turned before they are apart.
+
+    Parameters
+    ----------
+    problem : AssemblyProblem
+    crews : list of Crew
+        Group of the boat at each step.
+    cells : (steps + 1, n, 2) int array
+    boat : int
+    """
+    still = np.array(problem.obstacles, dtype=np.int64).reshape(-1, 2)
+    for step, crew in enumerate(crews):
+        others = np.concatenate([np.delete(cells[step], list(crew), axis=0), still])
+        if not (np.abs(others - cells[step, boat]).max(axis=1) < CLEARANCE).any():
+            return step
+    return 0
 
 
 def waits_in_ring(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths) -> bool:
