@@ -36,6 +36,7 @@ VOLUME_WEIGHT = 4.0  # of the volume newly covered, in balls, against frontier p
 OPENED_WEIGHT = 4.0  # the same of frontier points that the newcomer would have
 FURTHER_WEIGHT = 1.0  # the same of each robot that it takes afterward
 FURTHER_PLACES = 300  # of the surroundings, where those may stand
+MISPLACED = 0.5  # of the tolerance of arrival: how far off its place a robot is taken to stop
 DENSITY = 400.0  # points per ball that stand for the volume of the shape
 POINTS_MIN, POINTS_MAX = 200, 400_000  # of the whole shape
 TRIALS = 20_000  # points by which its volume is told
@@ -59,6 +60,15 @@ def best_place(config: CoverageConfig, site: Site, rng: np.random.Generator) -> 
     return Choice(row, places[best], float(values[best]))
 
 
+def _sure_range(config: CoverageConfig) -> float:
+    """Return how far from its place a robot is counted on to cover [m], though it stops a little off.
+
+    A choice that counts on the whole range leaves slivers where the robot stops, each of which takes one of its own.
+    """
+    motion = config.motion
+    return config.range_m - MISPLACED * motion.arrival_sigmas * motion.sigma_m
+
+
 class _Worth:
     """How good places for the next robot are: what it newly covers, less the frontier that it would bring along.
 
@@ -72,9 +82,9 @@ class _Worth:
     """
 
     def __init__(self, config: CoverageConfig, site: Site) -> None:
-        self._site, self._radius, self._directions = site, config.range_m, directions_of(config)
+        self._site, self._radius, self._directions = site, _sure_range(config), directions_of(config)
         near = _volume_near(site, self._radius, 2.0)
-        left = near[cdist(near, site.others).min(axis=1) > self._radius]
+        left = near[cdist(near, site.others).min(axis=1) > config.range_m]
         self._points = np.concatenate([left, site.around])
         shares = VOLUME_WEIGHT / DENSITY, 1.0 / len(self._directions)
         self._weights = np.repeat(shares, (len(left), len(site.around)))
@@ -152,10 +162,10 @@ def _further(places: FloatArray, config: CoverageConfig, site: Site, rng: np.ran
         return np.zeros(len(places))
     spots = near[rng.choice(len(near), min(FURTHER_PLACES, len(near)), replace=False)]
     wanted = np.concatenate([near[cdist(near, site.others).min(axis=1) > config.range_m], site.around])
-    covers = cdist(spots, wanted) <= config.range_m
+    covers = cdist(spots, wanted) <= _sure_range(config)
     gains = covers.astype(np.float32)
     linked = cdist(spots, spots) <= reach
-    left = (cdist(wanted, places) > config.range_m).astype(np.float32)
+    left = (cdist(wanted, places) > _sure_range(config)).astype(np.float32)
     in_reach = cdist(spots, np.concatenate([site.others, places])) <= reach
     can = in_reach[:, : len(site.others)].any(axis=1)[:, None] | in_reach[:, len(site.others) :]
     further, busy = np.zeros(len(places)), np.arange(len(places))
