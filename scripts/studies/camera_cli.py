@@ -60,7 +60,8 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
         description="Measure how well the mission computer finds the five robots of the table-top arena in images of "
         "the overhead camera: errors of positions and headings, robots that are not found, false identities, and the "
         "time per image. Every seed is another camera, light, lens and noise; images show robots anywhere, robots that "
-        "touch, robots partly out of view or missing, spots in their colors, and a half that is black.",
+        "touch, robots partly out of view or missing, spots in their colors, look-alikes of robots that were seen a "
+        "moment before, and a half that is black.",
         epilog="A study that was stopped goes on when the same command is given again. Exit code 0: done (whether or "
         "not targets are met); 1: a worker or the disk failed; 2: bad input; 130: interrupted, what was done is kept.",
         allow_abbrev=False,
@@ -120,7 +121,7 @@ def _study(arguments: Arguments, interruption: Interruption) -> int:
     write_files(arguments.out, {TABLE: as_markdown(scores, len(done), warning).encode()})
     console = console_on(sys.stdout)
     for name, target, value, met in target_rows(scores):
-        console.print(f"{name:<40}{target:>12}{value:>14}  {met}", markup=False)
+        console.print(f"{name:<40}{target:>16}{value:>14}  {met}", markup=False)
     if warning:
         console.print(warning, markup=False, soft_wrap=True)
     console.print(f"results: {arguments.out / TABLE}", markup=False, soft_wrap=True)

@@ -1,4 +1,7 @@
-"""One run of the camera study: one camera, freshly mounted, and a sequence of images that have nothing in common."""
+"""One run of the camera study: one camera, freshly mounted, and a sequence of images that have nothing in common.
+
+But for look-alikes: the image before one shows the same robots without it.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +14,19 @@ import numpy as np
 
 from mission_computer.vision.camera_localizer import CameraLocalizer
 from mission_computer.vision.config import VisionConfig
-from studies.camera_cases import Case, arena_markers, hard_case, in_view, plain_case
+from studies.camera_cases import Case, arena_markers, before, covers, hard_case, in_view, plain_case, shot
 from studies.camera_scores import Scores
 from swarm_msgs_py.markers import FloorMarks
 from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import BoolArray
-from swarm_sim.camera.overhead_camera import OverheadCamera, blacken_half
+from swarm_sim.camera.overhead_camera import OverheadCamera
 from swarm_sim.config import CameraConfig, Renderer
 
 FRAME_S = 100.0
-"""Time between two images [s]: so long that no track helps."""
+"""Time between two images that have nothing in common [s]: so long that no track helps, nor hinders."""
+WATCHED_S = 0.1
+"""Time from the image before a look-alike appears [s]: tracks tell the two apart, images cannot."""
 FALSE_M = 0.03
 """A fix farther than this from its robot [m] is of something else; less than half of the smallest cover."""
 
@@ -55,24 +60,30 @@ def perform(run: Run) -> Scores:
     cv2.setNumThreads(1)
     markers, marks, vision = arena_markers(), FloorMarks(), VisionConfig()
     config = _varied(CameraConfig(is_on=True), run.seed)
-    camera = OverheadCamera(config, markers, marks, run.seed, run.renderer)
+    camera = OverheadCamera(config, covers(), marks, run.seed, run.renderer)
     localizer = CameraLocalizer(vision, markers, marks)
-    scores, costs = Scores(images=run.images), []
-    for number in range(-vision.calibration_frames, run.images):
-        rng = rng_for(run.seed, "camera study", number + vision.calibration_frames)
-        case = plain_case(markers, rng) if number < 0 else hard_case(markers, rng)
-        instant = FRAME_S * (number + vision.calibration_frames)
-        image = camera.take(number + vision.calibration_frames, instant, case.positions, case.yaws, case.spots)
-        assert image is not None  # nobody switched the camera off
-        if case.is_half_black:
-            blacken_half(image.pixels)
+    scores = Scores(images=run.images)
+    costs: list[float] = []
+
+    def read(number: int, instant: float, case: Case) -> CameraReport:
+        image = shot(camera, number, instant, case)
         began = time.thread_time()
         report = localizer.locate(image, camera.info)
-        if number >= 0:
-            costs.append(1e3 * (time.thread_time() - began))
+        costs.append(1e3 * (time.thread_time() - began))
+        return report
+
+    for number in range(run.images + vision.calibration_frames):
+        rng = rng_for(run.seed, "camera study", number)
+        is_first, instant = number < vision.calibration_frames, FRAME_S * number
+        case = plain_case(markers, rng) if is_first else hard_case(markers, rng)
+        prelude = before(case)
+        if prelude is not None:
+            read(number, instant - WATCHED_S, prelude)
+        report = read(number, instant, case)
+        if not is_first:
             scores = _counted(scores, report, case, in_view(case, markers, camera.optics))
     camera.close()
-    return replace(scores, cost_ms=tuple(np.percentile(costs, (50.0, 99.0)).tolist()))
+    return replace(scores, cost_ms=(*np.percentile(costs, (50.0, 99.0)).tolist(), max(costs)))
 
 
 def _varied(config: CameraConfig, seed: int) -> CameraConfig:

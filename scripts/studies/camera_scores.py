@@ -14,6 +14,8 @@ import numpy as np
 from studies.campaign import Record
 
 MM = 1e3
+IMAGES_ASKED = 10_000
+"""Fewer images say too little of what must never happen."""
 TARGET_HEADER = ("quantity", "target", "measured", "met")
 
 
@@ -36,8 +38,8 @@ class Scores:
         Of their heading errors [rad^2], [rad].
     missed, hidden : dict
         Why robots had no fix, in view and not in view: number by reason.
-    cost_ms : (float, float)
-        Median and 99th percentile of the processor time from an image to its fixes [ms].
+    cost_ms : (float, float, float)
+        Median, 99th percentile and maximum of the processor time from an image to its fixes, calibration included [ms].
     """
 
     images: int = 0
@@ -52,7 +54,7 @@ class Scores:
     max_rad: float = 0.0
     missed: dict[str, int] = field(default_factory=dict)
     hidden: dict[str, int] = field(default_factory=dict)
-    cost_ms: tuple[float, float] = (0.0, 0.0)
+    cost_ms: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def as_record(self) -> Record:
         """Return what is kept of a run."""
@@ -76,7 +78,7 @@ def scores_of(record: Record) -> Scores:
 
 
 def total(parts: Iterable[Scores]) -> Scores:
-    """Return the scores of all images together; of the costs, the median of medians and the largest percentile."""
+    """Return the scores of all images together; of the costs, the median of medians and the largest others."""
     parts = list(parts)
     sums: dict[str, Any] = {
         name: sum(getattr(part, name) for part in parts)
@@ -89,13 +91,13 @@ def total(parts: Iterable[Scores]) -> Scores:
         name: dict(sorted(sum((Counter(getattr(part, name)) for part in parts), Counter[str]()).items()))
         for name in ("missed", "hidden")
     }
-    medians, percentiles = zip(*(part.cost_ms for part in parts), strict=True) if parts else ((0.0,), (0.0,))
+    costs = np.array([part.cost_ms for part in parts] or [(0.0, 0.0, 0.0)])
     return Scores(
         **sums,
         **reasons,
         max_m=max((part.max_m for part in parts), default=0.0),
         max_rad=max((part.max_rad for part in parts), default=0.0),
-        cost_ms=(float(np.median(medians)), max(percentiles)),
+        cost_ms=(float(np.median(costs[:, 0])), *costs[:, 1:].max(axis=0).tolist()),
     )
 
 
@@ -112,10 +114,15 @@ def target_rows(scores: Scores) -> list[tuple[str, str, str, str]]:
             scores.rms_rad <= math.radians(2),
         ),
         ("robots in view that are found", ">= 99.9 %", f"{100.0 * share:.3f} %", share >= 0.999),
-        ("false identities", "0", str(scores.false), scores.false == 0),
-        ("processor time of an image, median", "<= 15 ms", f"{scores.cost_ms[0]:.1f} ms", scores.cost_ms[0] <= 15.0),
+        *(
+            (f"processor time of an image, {name}", "<= 15 ms", f"{cost:.1f} ms", cost <= 15.0)
+            for name, cost in zip(("median", "99th percentile", "maximum"), scores.cost_ms, strict=True)
+        ),
     ]
-    return [(name, target, value, "yes" if met else "NO") for name, target, value, met in rows]
+    judged = [(name, target, value, "yes" if met else "NO") for name, target, value, met in rows]
+    verdict = "NO" if scores.false else "yes" if scores.images >= IMAGES_ASKED else "too few images"
+    false = ("false identities", f"0 of >= {IMAGES_ASKED:,}", f"{scores.false} of {scores.images:,}", verdict)
+    return [*judged, false]
 
 
 def as_markdown(scores: Scores, runs: int, warning: str) -> str:
@@ -130,8 +137,8 @@ def as_markdown(scores: Scores, runs: int, warning: str) -> str:
         "| --- | --- | --- | --- |",
         *(f"| {' | '.join(row)} |" for row in target_rows(scores)),
         "",
-        f"Largest heading error: {math.degrees(scores.max_rad):.2f} degrees. Processor time of an image, 99th "
-        f"percentile of the slowest camera: {scores.cost_ms[1]:.1f} ms.",
+        f"Largest heading error: {math.degrees(scores.max_rad):.2f} degrees. Of processor times the 99th percentile is "
+        "that of the slowest camera; all count the first images, from which the camera is calibrated.",
         "",
         f"Robots in view without a fix: {_reasons(scores.missed)}.",
         f"Robots only partly in view, or missing: {scores.beyond_view}, of which {scores.found_beyond} had a fix; the "

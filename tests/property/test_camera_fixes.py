@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from table_top import BLUE, MARKERS, camera, localizer, moved, picture
 
 from mission_computer.vision.colors import hue_and_saturation
+from mission_computer.vision.config import HUE_TOLERANCE_MAX_RAD, VisionConfig
+from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.light import linear_of
 from swarm_msgs_py.markers import PRINTED_SRGB, MarkerColor
 from swarm_msgs_py.messages.camera import CameraImage
 from swarm_msgs_py.messages.camera_report import CameraStatus
-from swarm_sim.camera.exposure import codes_of, linear_of
+from swarm_sim.camera.exposure import codes_of
 
-EYES = localizer(reach_mps=1e3)
+EYES = localizer(reach_m=1e3)
 assert EYES.locate(picture(), camera().info).status is CameraStatus.OK
 PLACES = st.tuples(st.floats(-0.4, 0.35), st.floats(-0.3, 0.5))  # free of the other robots
 
@@ -70,4 +74,9 @@ def test_all_robots_have_hues_that_lie_farther_apart_than_the_tolerances_reach()
     hues, _ = hue_and_saturation(np.array([PRINTED_SRGB[marker.color] for marker in MARKERS], dtype=np.uint8))
 
     gaps = np.diff(np.sort(hues), append=np.sort(hues)[0] + 2.0 * np.pi)
-    assert gaps.min() > 2.0 * 0.38
+    assert gaps.min() > 2.0 * HUE_TOLERANCE_MAX_RAD >= 2.0 * VisionConfig().hue_tolerance_rad
+
+
+def test_a_tolerance_at_which_colors_would_overlap_is_refused() -> None:
+    with pytest.raises(ConfigError, match="hue_tolerance_rad"):
+        VisionConfig(hue_tolerance_rad=0.43)

@@ -12,7 +12,7 @@ from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.camera_report import CameraStatus
 from swarm_sim.camera.raster import Spot
 
-EYES = localizer(reach_mps=100.0)
+EYES = localizer(reach_m=100.0)
 
 
 def test_robots_are_outlined_and_the_image_itself_is_left_alone() -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -86,6 +87,49 @@ def test_the_map_of_a_plane_agrees_with_the_optics_of_the_simulator() -> None:
     for height, plane in maps.items():
         points = optics.plane_points(optics.rays(pixels.astype(float)), height)
         assert_allclose(plane.points[pixels[:, 1], pixels[:, 0]], points, atol=2e-5)
+
+
+@pytest.mark.parametrize("distortion", [-0.15, 0.05])
+@pytest.mark.parametrize(("width", "height"), [(320, 240), (1280, 960)])
+def test_maps_from_few_points_are_those_of_every_pixel(distortion: float, width: int, height: int) -> None:
+    optics = camera(seed=4, radial_distortion=distortion, width_px=width, height_px=height).optics
+    place = calibrate(optics.project(FLOOR), optics.info, MARKS)
+    assert place is not None
+    rows, columns = np.mgrid[:height:7, :width:7]
+
+    plane = plane_maps(place, [0.12])[0.12]
+
+    rays = place.rays(np.stack([columns, rows], axis=-1).reshape(-1, 2).astype(float))
+    exact = place.plane_points(rays, 0.12).reshape(*rows.shape, 2)
+    assert_allclose(plane.points[rows, columns], exact, atol=1e-8)
+    down, across = (np.asarray(np.gradient(plane.points, axis=axis)) for axis in (0, 1))
+    areas = np.abs(across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0])
+    assert_allclose(plane.areas[1:-1, 1:-1], areas[1:-1, 1:-1], rtol=1e-6)
+
+
+@pytest.mark.parametrize("height", [240, 2800])
+def test_marks_are_found_however_many_pixels_they_have(height: int) -> None:
+    """Drawn by hand: such a large image of the renderer would take long."""
+    per_m, middle = height / 2.3, np.array([height * 2 / 3, height / 2])
+    pixels = np.full((height, height * 4 // 3, 3), 190, dtype=np.uint8)
+    places = middle + MARKS.centers * (per_m, -per_m)
+    for column, row in places.round().astype(int).tolist():
+        cv2.circle(pixels, (column, row), round(MARKS.radius * per_m), (30, 30, 30), -1)
+
+    found = find_marks(pixels)
+
+    assert found is not None
+    assert_allclose(found, places, atol=0.6)  # they were drawn around whole pixels
+
+
+def test_a_mark_of_few_pixels_beside_the_grid_of_the_image_is_found() -> None:
+    coarse = camera(seed=9, width_px=320, height_px=240)
+    shot = coarse.take(0, 0.0, STARTS, YAWS)
+
+    assert shot is not None
+    found = find_marks(shot.pixels)
+    assert found is not None
+    assert_allclose(found, coarse.optics.project(FLOOR), atol=0.3)
 
 
 def test_pixel_areas_add_up_to_the_area_of_what_they_show() -> None:

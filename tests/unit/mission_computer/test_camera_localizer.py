@@ -11,6 +11,8 @@ from table_top import AWAY, BLUE, GREEN, MARKERS, PINK, RED, STARTS, YAWS, YELLO
 from mission_computer.vision.calibration import find_marks
 from mission_computer.vision.camera_localizer import CameraLocalizer
 from mission_computer.vision.config import VisionConfig
+from mission_computer.vision.resolution import LEAST_RADIUS_PX, smallest_radius_px
+from studies.camera_cases import plain_case
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.markers import FloorMarks, MarkerColor
 from swarm_msgs_py.messages.camera import CameraImage
@@ -24,7 +26,7 @@ POSITION_M, HEADING_RAD = 0.002, math.radians(0.5)  # of one image; the targets 
 @pytest.fixture(scope="module")
 def ready() -> CameraLocalizer:
     """Return a localizer whose calibration is finished, and which no test makes any wiser."""
-    made = localizer(reach_mps=100.0)  # so that what other tests showed it decides nothing
+    made = localizer(reach_m=100.0)  # so that what other tests showed it decides nothing
     assert made.locate(picture(), camera().info).status is CameraStatus.OK
     return made
 
@@ -135,7 +137,7 @@ def test_spots_alone_are_no_robot(ready: CameraLocalizer) -> None:
 
     report = look(ready, picture(moved(RED, AWAY), YAWS, *spots))
 
-    assert reasons(report) == {RED: Refusal.DEFORMED}
+    assert reasons(report) == {RED: Refusal.NOT_SEEN}
     assert len(report.strays) == 2
 
 
@@ -194,6 +196,113 @@ def test_two_covers_of_one_color_are_told_apart_by_the_track_only() -> None:
     known = tracking.locate(replace(both, time=0.1), camera().info)
     assert known.rejections == ()
     assert_allclose(known.fixes[PINK].position, STARTS[PINK], atol=POSITION_M)
+
+
+def look_alike(number: int, *, robot_too: bool) -> CameraImage:
+    """Return an image in which pink's cover shows at (0, -0.1), and nowhere else unless `robot_too`."""
+    image = picture(number=number) if robot_too else picture(moved(PINK, AWAY), number=number)
+    twin = picture(moved(PINK, (0.0, -0.1)), number=number)
+    column, row = camera().optics.project(np.array([[0.0, -0.1, 0.12]]))[0].round().astype(int)
+    part = (slice(row - 24, row + 24), slice(column - 24, column + 24))
+    image.pixels[part] = twin.pixels[part]
+    return image
+
+
+def test_a_look_alike_of_a_robot_that_is_hidden_is_no_fix() -> None:
+    eyes = localizer()
+    eyes.locate(picture(), camera().info)
+
+    reports = [eyes.locate(look_alike(number, robot_too=False), camera().info) for number in range(1, 9)]
+    back = eyes.locate(look_alike(9, robot_too=True), camera().info)
+
+    assert {reasons(report)[PINK] for report in reports} == {Refusal.ELSEWHERE}
+    assert all(len(report.strays) == 2 for report in reports)
+    assert len(back.fixes) == 5
+    assert_true(back, STARTS)
+
+
+def test_a_robot_that_was_carried_is_believed_after_some_images_in_a_row() -> None:
+    eyes, elsewhere = localizer(moved_images=4), moved(PINK, (0.0, -0.1))
+    eyes.locate(picture(), camera().info)
+
+    counts = []
+    for number in range(1, 9):
+        is_gap = number == 3
+        shown = picture(moved(PINK, AWAY) if is_gap else elsewhere, number=number)
+        counts.append(len(eyes.locate(shown, camera().info).fixes))
+
+    assert counts == [4, 4, 4, 4, 4, 4, 5, 5]
+
+
+def test_a_look_alike_that_leaps_about_is_never_believed() -> None:
+    eyes = localizer(moved_images=3)
+    eyes.locate(picture(), camera().info)
+
+    places = [(0.0, -0.1), (0.2, -0.1)] * 4
+    shown = [picture(moved(PINK, place), number=number + 1) for number, place in enumerate(places)]
+
+    assert {len(eyes.locate(image, camera().info).fixes) for image in shown} == {4}
+
+
+def test_a_robot_that_was_not_seen_for_long_is_found_wherever_it_is() -> None:
+    eyes = localizer()
+    eyes.locate(picture(), camera().info)
+
+    report = eyes.locate(replace(picture(moved(PINK, (0.0, -0.1))), time=10.0), camera().info)
+
+    assert len(report.fixes) == 5
+
+
+def test_a_camera_that_was_replaced_knows_nothing_of_where_robots_were() -> None:
+    other, eyes = camera(seed=8), localizer()
+    eyes.locate(picture(), camera().info)
+    shot = other.take(0, 0.1, moved(PINK, (0.0, -0.1)), YAWS)
+    assert shot is not None
+
+    assert len(eyes.locate(shot, other.info).fixes) == 5
+
+
+def test_a_distractor_far_from_a_robot_that_is_missing_does_not_make_it_a_deformed_one() -> None:
+    eyes = localizer()
+    eyes.locate(picture(), camera().info)
+    image = picture(moved(GREEN, AWAY), YAWS, Spot(MarkerColor.GREEN, (0.1, 0.1), 0.05), number=1)
+
+    report = eyes.locate(image, camera().info)
+
+    assert reasons(report) == {GREEN: Refusal.NOT_SEEN}
+    assert [stray.color for stray in report.strays] == [MarkerColor.GREEN]
+
+
+def test_what_is_left_of_a_robot_that_is_cut_off_is_no_distractor(ready: CameraLocalizer) -> None:
+    report = look(ready, picture(moved(RED, (-0.62, -1.12))))
+
+    assert reasons(report) == {RED: Refusal.CUT_OFF}
+    assert report.strays == ()
+
+
+@pytest.mark.parametrize(("width", "height", "images"), [(320, 240, 20), (640, 480, 4), (1280, 960, 2)])
+def test_images_of_any_common_size_are_read(width: int, height: int, images: int) -> None:
+    eye, eyes = camera(seed=3, width_px=width, height_px=height), localizer()
+    rng = np.random.default_rng(1)
+    for number in range(images):
+        case = plain_case(MARKERS, rng)
+        image = eye.take(number, 100.0 * number, case.positions, case.yaws)
+        assert image is not None
+        report = eyes.locate(image, eye.info)
+
+        assert report.rejections == report.strays == ()
+        for fix in report.fixes:
+            assert np.hypot(*(fix.position - case.positions[fix.robot])) < 0.006
+
+
+def test_the_smallest_disc_in_pixels_tells_whether_a_camera_can_be_read() -> None:
+    coarse, usual, none = (
+        smallest_radius_px(MARKERS, camera(seed=3, height_px=rows, width_px=4 * rows // 3).info, 2.4)
+        for rows in (240, 480, 180)
+    )
+
+    assert usual == pytest.approx(2.0 * coarse, rel=0.01)
+    assert coarse > LEAST_RADIUS_PX > none
 
 
 def test_without_marks_there_are_no_fixes_until_they_show() -> None:

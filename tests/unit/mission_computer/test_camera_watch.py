@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from table_top import AWAY, MARKERS, PINK, RED, STARTS, YAWS, camera, moved, picture
+from table_top import AWAY, GREEN, MARKERS, PINK, RED, STARTS, YAWS, camera, moved, picture
 
 from mission_computer.config import MissionConfig
 from mission_computer.mission import Mission
@@ -26,7 +29,7 @@ from swarm_sim.camera.overhead_camera import blacken_half
 from swarm_sim.camera.raster import Spot
 
 DT = 0.1
-CONFIG = VisionConfig(calibration_frames=1, reach_mps=100.0)
+CONFIG = VisionConfig(calibration_frames=1, reach_m=100.0)
 
 
 class Table:
@@ -64,7 +67,76 @@ def test_a_missing_robot_is_reported_once_after_a_moment_and_so_is_its_return() 
 
     assert table.show(picture(moved(PINK, AWAY)), 2) == ""
     assert table.show(picture(moved(PINK, AWAY)), 8) == "r04 (pink): not seen"
+    assert table.show(picture(), 6) == ""
     assert table.show(picture(), 3) == "r04 (pink): well again"
+
+
+def test_a_robot_that_is_missing_in_two_of_three_images_is_reported_once() -> None:
+    table, missing = Table(), picture(moved(PINK, AWAY))
+
+    said = [table.show(image) for _ in range(20) for image in (picture(), missing, missing)]
+
+    assert list(filter(None, said)) == ["r04 (pink): not seen"]
+    assert said.index("r04 (pink): not seen") < 10
+    assert table.show(picture(), 10) == "r04 (pink): well again"
+
+
+def test_a_robot_that_is_missed_in_one_of_three_images_is_not_reported() -> None:
+    table, missing = Table(), picture(moved(PINK, AWAY))
+
+    assert [table.show(image) for _ in range(10) for image in (picture(), picture(), missing)] == [""] * 30
+
+
+def test_a_reason_that_changes_from_image_to_image_is_reported_once_and_another_one_when_it_stays() -> None:
+    table, out, half = Table(), picture(moved(RED, AWAY)), picture(moved(RED, (-0.62, -1.12)))
+
+    said = [table.show(image) for _ in range(15) for image in (half, out)]
+
+    assert [line for line in said if line] == ["r00 (red): not seen"]
+    assert said.index("r00 (red): not seen") == 3
+    assert table.show(half, 12) == "r00 (red): cut off"
+
+
+def test_a_share_of_black_pixels_between_two_steps_is_told_once() -> None:
+    table, shares = Table(), (0.449, 0.452, 0.455, 0.446)
+    images = []
+    for share in shares:
+        image = picture()
+        image.pixels[:, : round(share * 640)] = 0
+        images.append(image)
+    table.show(picture())
+
+    said = [table.show(image) for _ in range(8) for image in images]
+
+    assert sum("of the image are black" in line for line in said) == 1
+
+
+def test_a_push_of_the_camera_is_told_in_the_image_in_which_it_is_found() -> None:
+    watch = CameraWatch(replace(CONFIG, recheck_frames=3), MARKERS)
+    pushed = np.roll(picture().pixels, (4, -6), axis=(0, 1))
+
+    said = []
+    for number in range(8):
+        time = DT * number
+        image = CameraImage(time, picture().pixels if number < 2 else pushed)
+        said.append(watch.notice(time, watch.look(time, image, camera().info)))
+
+    assert list(filter(None, said)) == ["camera: the camera has moved; it is calibrated anew"]
+
+
+def test_a_missing_robot_is_told_beside_where_something_of_its_color_lies() -> None:
+    spots = (Spot(MarkerColor.GREEN, (0.1, 0.1), 0.05), Spot(MarkerColor.GREEN, (-0.3, 0.2), 0.05))
+    table = Table()
+    table.show(picture(), 2)
+
+    said = table.show(picture(moved(GREEN, AWAY), YAWS, *spots), 6)
+
+    assert "r02 (green): not seen (2 blobs of its color)" in said
+    assert re.search(r"green: something of this color is no robot, at \(\S+, 0\.\d\d\), \(\S+, 0\.\d\d\) m", said)
+
+
+def test_a_robot_that_is_cut_off_is_not_told_as_a_distractor_too() -> None:
+    assert Table().show(picture(moved(RED, (-0.62, -1.12))), 12) == "r00 (red): cut off"
 
 
 @pytest.mark.parametrize(
@@ -88,7 +160,7 @@ def test_a_camera_that_fails_and_comes_back_is_reported_and_hides_nothing() -> N
     table.show(picture(moved(PINK, AWAY)), 6)
 
     assert table.show(None, 10) == "camera: no images; robots stand still"
-    assert table.show(picture(moved(PINK, AWAY)), 5) == "camera: well again"
+    assert table.show(picture(moved(PINK, AWAY)), 12) == "camera: well again"
 
 
 def test_half_a_picture_is_reported_with_those_whom_it_hides() -> None:

@@ -5,9 +5,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from table_top import AWAY, GREEN, MARKERS, RED, STARTS, YAWS, camera, moved
 
+from swarm_msgs_py.light import linear_of
 from swarm_msgs_py.markers import PRINTED_SRGB
 from swarm_sim.camera.coverage import edge_coverage
-from swarm_sim.camera.exposure import codes_of, digitize, illumination, linear_of
+from swarm_sim.camera.exposure import codes_of, digitize, illumination
 from swarm_sim.config import CameraConfig
 
 SUB = 24  # samples per pixel and axis of the reference

@@ -3,38 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from mission_computer.vision.calibration import Calibration, PlaneMap, calibrate, find_marks, plane_maps
 from mission_computer.vision.colors import ColorClassifier
 from mission_computer.vision.config import VisionConfig
-from mission_computer.vision.covers import Track, find_cover
+from mission_computer.vision.covers import find_cover
 from mission_computer.vision.discs import Disc, measure
+from mission_computer.vision.tracks import Tracks
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.markers import CoverMarker, FloorMarks, MarkerColor
 from swarm_msgs_py.messages.camera import CameraImage, CameraInfo, ImageArray
 from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus, Refusal, Rejection, RobotFix, Stray
-from swarm_msgs_py.types import FloatArray, NodeId
+from swarm_msgs_py.types import FloatArray
 
 DARK_SHARE = 0.95
 """Share of dead pixels from which an image counts as dark."""
+CAMERA_MOVED = "the camera has moved; it is calibrated anew"
+"""Note of the one image in which that is found."""
 MARKS_MOVED = 3
 """How many of the four marks must have moved before it is the camera that has."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Seen:
-    position: FloatArray
-    time: float
 
 
 class CameraLocalizer:
     """Finds robots in images by the discs on their covers.
 
-    Fixes come from one image each, without a filter: the robots' own estimators smooth. The last fix of a robot is only
-    asked when two covers could be its own.
+    Fixes come from one image each, without a filter: the robots' own estimators smooth. The last fix of a robot
+    only tells where it cannot be by now.
 
     Parameters
     ----------
@@ -62,7 +58,7 @@ class CameraLocalizer:
         self._info: CameraInfo | None = None
         self._calibration: Calibration | None = None
         self._planes: dict[float, PlaneMap] = {}
-        self._last: dict[NodeId, _Seen] = {}
+        self._tracks = Tracks(config)
 
     @property
     def calibration(self) -> Calibration | None:
@@ -105,6 +101,7 @@ class CameraLocalizer:
         """Use the image for the calibration, where that needs it; return what there is to say of it."""
         if self._info is None or not _same(info, self._info):
             self._info, self._calibration, self._views = info, None, []
+            self._tracks.forget()
         is_finished = len(self._views) >= self._config.calibration_frames
         self._read += 1
         if is_finished and self._read % self._config.recheck_frames:
@@ -114,7 +111,8 @@ class CameraLocalizer:
             if view is None or not self._has_moved(view):
                 return ""
             self._views = []
-            return self._learn(view, info) or "the camera has moved; it is calibrated anew"
+            self._tracks.forget()
+            return self._learn(view, info) or CAMERA_MOVED
         if view is None:
             return "the four marks on the floor do not show; light the arena and clear its corners"
         return self._learn(view, info)
@@ -147,27 +145,24 @@ class CameraLocalizer:
         rejections: list[Rejection] = []
         strays: list[Stray] = []
         for marker in self._markers:
-            own = discs[marker.color]
-            result = find_cover(marker, own, self._track(marker.robot, time), self._config)
-            used: tuple[Disc, ...] = ()
+            of_color, robot = discs[marker.color], marker.robot
+            track, near = self._tracks.track(robot, time), self._tracks.near(robot, time)
+            match = find_cover(marker, of_color, track, near, self._config)
+            result, own = match.result, match.own
             if isinstance(result, Refusal):
-                rejections.append(Rejection(marker.robot, marker.color, result))
+                self._tracks.miss(robot)
+            elif self._tracks.believes(robot, result.position, time):
+                fixes.append(result)
             else:
-                fix, used = result
-                fixes.append(fix)
-                self._last[marker.robot] = _Seen(fix.position, time)
+                result, own = Refusal.ELSEWHERE, ()
+            if isinstance(result, Refusal):
+                rejections.append(Rejection(robot, marker.color, result))
             strays += [
                 Stray(disc.color, (float(disc.center[0]), float(disc.center[1])))
-                for disc in own
-                if not any(disc is one for one in used)
+                for disc in of_color
+                if not any(disc is one for one in own)
             ]
         return CameraReport(time, CameraStatus.OK, tuple(fixes), tuple(rejections), tuple(strays), dead_share, note)
-
-    def _track(self, robot: NodeId, time: float) -> Track | None:
-        seen = self._last.get(robot)
-        if seen is None or seen.time > time:
-            return None
-        return Track(seen.position, self._config.reach_m + self._config.reach_mps * (time - seen.time))
 
 
 def _same(one: CameraInfo, other: CameraInfo) -> bool:

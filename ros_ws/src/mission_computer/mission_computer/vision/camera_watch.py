@@ -9,18 +9,21 @@ from itertools import combinations
 import numpy as np
 
 from mission_computer.vision.annotation import annotate
-from mission_computer.vision.camera_localizer import CameraLocalizer
+from mission_computer.vision.camera_localizer import CAMERA_MOVED, CameraLocalizer
 from mission_computer.vision.config import VisionConfig
-from swarm_msgs_py.markers import CoverMarker, FloorMarks
+from mission_computer.vision.notices import MOMENT, Finding, Notices
+from swarm_msgs_py.markers import CoverMarker, FloorMarks, MarkerColor
 from swarm_msgs_py.messages.bodies import CameraFixes, Plan
 from swarm_msgs_py.messages.camera import CameraImage, CameraInfo, ImageArray
-from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus
+from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus, Refusal
 from swarm_msgs_py.types import robot_name
 
-Finding = tuple[str, str]
-"""What a line is about, and what it says."""
-
-MOMENT = 1e-9  # [s]; times are products of ticks and their duration
+CAMERA = "camera"
+"""Subject of what concerns whole images."""
+SHARE_STEP, SHARE_LAG = 0.1, 0.02
+"""Shares of black pixels are told in steps of this; a step holds for so much longer than it is the nearest."""
+PLACES_MAX = 3
+"""So many places of distractors are told."""
 
 
 class CameraWatch:
@@ -37,8 +40,11 @@ class CameraWatch:
         self._config, self._markers = config, tuple(markers)
         self._localizer = CameraLocalizer(config, markers, FloorMarks())
         self._radii = {marker.robot: marker.radius for marker in self._markers}
-        self._pending: dict[str, tuple[str, float]] = {}  # what is found of a subject, and since when [s]
-        self._told: dict[str, str] = {}  # what was said of it, if that is in force
+        self._of_camera = Notices(config.notice_after_s, config.notice_over_s)
+        self._of_robots = Notices(config.notice_after_s, config.notice_over_s)
+        self._clock = 0.0  # time in which images could be read [s]
+        self._read_at = 0.0  # time of the last image of that [s]
+        self._black_share = 0.0  # what is, or would be, told of it
         self._last: tuple[CameraImage, CameraReport] | None = None
         self._seen_at: float | None = None  # time of the last image that could be read [s]
 
@@ -66,20 +72,14 @@ class CameraWatch:
         """Return what is new for the operator at `time` [s], after `look`, in a line; "" if nothing is."""
         if report is None and not self._is_blind(time):
             return ""  # between two images
-        found, lines = dict(self._findings(time, report)), []
-        if report is None or report.status is not CameraStatus.OK:
-            found = self._told | found  # what cannot be seen is not over
-        self._pending = {subject: pending for subject, pending in self._pending.items() if subject in found}
-        for subject, what in found.items():
-            if self._pending.setdefault(subject, (what, time))[0] != what:
-                self._pending[subject] = what, time
-            has_lasted = time - self._pending[subject][1] >= self._config.notice_after_s - MOMENT
-            if has_lasted and self._told.get(subject) != what:
-                self._told[subject] = what
-                lines.append(f"{subject}: {what}")
-        for subject in [subject for subject in self._told if subject not in found]:
-            del self._told[subject]
-            lines.append(f"{subject}: well again")
+        lines = self._of_camera.take(time, dict(self._camera_findings(time, report)))
+        if report is not None and report.note == CAMERA_MOVED:
+            lines.append(f"{CAMERA}: {CAMERA_MOVED}")  # it happens, and is neither so for a while nor over
+        if report is not None and report.status is CameraStatus.OK:
+            # What cannot be seen is neither so nor over: the clock of what images show stands still meanwhile.
+            self._clock += min(time - self._read_at, self._config.notice_after_s)
+            self._read_at = time
+            lines += self._of_robots.take(self._clock, dict(self._robot_findings(report)))
         return "; ".join(lines)
 
     def picture(self, plan: Plan | None = None) -> ImageArray | None:
@@ -92,26 +92,40 @@ class CameraWatch:
     def _is_blind(self, time: float) -> bool:
         return self._seen_at is not None and time - self._seen_at >= self._config.notice_after_s - MOMENT
 
-    def _findings(self, time: float, report: CameraReport | None) -> Iterator[Finding]:
-        """Yield what is not as it should be."""
+    def _camera_findings(self, time: float, report: CameraReport | None) -> Iterator[tuple[str, Finding]]:
+        """Yield what is not as it should be with images as a whole, if anything is."""
         if report is None or report.status is not CameraStatus.OK:
             if self._is_blind(time):
-                yield "camera", report.note if report is not None else "no images; robots stand still"
-            return
-        if report.note:
-            yield "camera", report.note
-        if report.dead_share >= self._config.dead_share_max:
-            yield "camera", f"{round(100.0 * report.dead_share, -1):.0f} % of the image are black"
+                words = report.note if report is not None else "no images; robots stand still"
+                yield CAMERA, Finding(words, words)
+        elif report.note and report.note != CAMERA_MOVED:
+            yield CAMERA, Finding(report.note, report.note)
+        elif report.dead_share >= self._config.dead_share_max:
+            if abs(report.dead_share - self._black_share) > SHARE_STEP / 2.0 + SHARE_LAG:
+                self._black_share = SHARE_STEP * round(report.dead_share / SHARE_STEP)
+            words = f"{100.0 * self._black_share:.0f} % of the image are black"
+            yield CAMERA, Finding(words, words)
+
+    def _robot_findings(self, report: CameraReport) -> Iterator[tuple[str, Finding]]:
+        """Yield what is not as it should be with what an image shows."""
+        places: dict[MarkerColor, list[str]] = {}
+        for stray in report.strays:
+            places.setdefault(stray.color, []).append(f"({stray.position[0]:.2f}, {stray.position[1]:.2f})")
         for rejection in report.rejections:
-            yield f"{robot_name(rejection.robot)} ({rejection.color.value})", rejection.reason.value
-        for color in sorted({stray.color.value for stray in report.strays}):
-            yield color, "something of this color is no robot"
+            blobs = len(places.get(rejection.color, ()))
+            words = rejection.reason.value
+            if rejection.reason is Refusal.NOT_SEEN and blobs:
+                words += f" ({blobs} blob{'s' * (blobs > 1)} of its color)"
+            yield f"{robot_name(rejection.robot)} ({rejection.color.value})", Finding(rejection.reason.value, words)
+        for color in sorted(places, key=lambda color: color.value):
+            shown = ", ".join(places[color][:PLACES_MAX]) + ", ..." * (len(places[color]) > PLACES_MAX)
+            yield color.value, Finding("stray", f"something of this color is no robot, at {shown} m")
         for one, other in combinations(report.fixes, 2):
             gap = math.hypot(*np.subtract(one.position, other.position)) - (
                 self._radii[one.robot] + self._radii[other.robot]
             )
             if gap <= self._config.touch_m:
-                yield f"{robot_name(one.robot)} and {robot_name(other.robot)}", "they touch"
+                yield f"{robot_name(one.robot)} and {robot_name(other.robot)}", Finding("touch", "they touch")
 
 
 def fixes_of(report: CameraReport | None, tick: int) -> CameraFixes | None:

@@ -15,12 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission_computer.vision.config import VisionConfig
+from mission_computer.vision.resolution import scale_of
 from swarm_msgs_py.markers import PRINTED_SRGB, MarkerColor
 from swarm_msgs_py.messages.camera import ImageArray
 from swarm_msgs_py.types import BoolArray
 
 LIGHTNESS_FLOOR = 1.0
 """Added to L* where it divides [CIELAB units]: below it, CIELAB is linear and hue is noise."""
+LEAST_AREA_PX = 4
+"""Fewer pixels than these are noise, however coarse the image."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,9 +77,10 @@ class ColorClassifier:
         labels = self._labels(pixels.reshape(-1, 3)[places])
         rows, columns = np.divmod(places, pixels.shape[1])
         found = []
+        least = max(self._config.area_min_px * scale_of(len(pixels)) ** 2, LEAST_AREA_PX)
         for color in self._colors:
             chosen = labels == self._rank[color]
-            found += list(self._connected(color, rows[chosen], columns[chosen]))
+            found += list(self._connected(color, rows[chosen], columns[chosen], least))
         return found, np.asarray(largest, dtype=np.uint8)
 
     def _labels(self, codes: ImageArray) -> NDArray[np.int64]:
@@ -89,8 +93,10 @@ class ColorClassifier:
         fits = off[np.arange(len(off)), nearest] <= self._config.hue_tolerance_rad
         return np.where(fits & (saturations >= self._config.saturation_min), nearest, -1)
 
-    def _connected(self, color: MarkerColor, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Iterator[Blob]:
-        """Yield the connected parts of the pixels of one color that are large enough to be a disc."""
+    def _connected(
+        self, color: MarkerColor, rows: NDArray[np.int64], columns: NDArray[np.int64], least: float
+    ) -> Iterator[Blob]:
+        """Yield the connected parts of the pixels of one color that have at least so many pixels."""
         if not len(rows):
             return
         top, left = int(rows.min()), int(columns.min())
@@ -99,7 +105,7 @@ class ColorClassifier:
         count, parts, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
         for number in range(1, count):
             x, y, wide, high, area = (int(value) for value in stats[number])
-            if area >= self._config.area_min_px:
+            if area >= least:
                 part = parts[y : y + high, x : x + wide] == number
                 yield Blob(color, (top + y, top + y + high), (left + x, left + x + wide), part)
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from swarm_msgs_py.config import Config, setting
 
+HUE_TOLERANCE_MAX_RAD = 0.42
+"""With a larger one, hues of blue and pink would lie within reach of each other; half of the least gap is 0.428 rad."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VisionConfig(Config):
@@ -37,13 +40,24 @@ class VisionConfig(Config):
         0.35, "least chroma per lightness (CIELAB) of a disc; does not depend on the light", minimum=0.0
     )
     hue_tolerance_rad: float = setting(
-        0.38, "largest difference of a pixel's CIELAB hue from that of its color", unit="rad", above=0.0, maximum=1.5
+        0.38,
+        "largest difference of a pixel's CIELAB hue from that of its color",
+        unit="rad",
+        above=0.0,
+        maximum=HUE_TOLERANCE_MAX_RAD,
     )
-    area_min_px: int = setting(12, "fewer colored pixels than this are no disc", unit="pixels", minimum=1)
+    area_min_px: int = setting(
+        12, "fewer colored pixels than this are no disc, in an image of 480 rows", unit="pixels", minimum=1
+    )
     dead_code: int = setting(
         8, "pixels with no channel above this show nothing, not even a black cover", unit="codes of 255", minimum=0
     )
-    radius_tolerance: float = setting(0.12, "largest relative error of a disc's radius", above=0.0, maximum=0.25)
+    radius_tolerance: float = setting(
+        0.12,
+        "largest relative error of a disc's radius; tolerances of discs grow below a radius of 3.6 pixels",
+        above=0.0,
+        maximum=0.25,
+    )
     elongation_max: float = setting(1.15, "largest ratio of a disc's axes", minimum=1.0)
     solidity_tolerance: float = setting(
         0.1, "largest relative difference between a blob's area and that of the ellipse of its moments", above=0.0
@@ -72,13 +86,24 @@ class VisionConfig(Config):
     )
     reach_mps: float = setting(
         0.3,
-        "how fast a robot may have moved since its last fix, when two covers could be its own",
+        "how fast a robot may have moved since its last fix; a cover farther away is not its own, unless it stays",
         unit="m/s",
         above=0.0,
     )
     reach_m: float = setting(0.03, "and how far in no time", unit="m", minimum=0.0)
+    moved_images: int = setting(
+        10,
+        "a robot that shows where it cannot have driven is believed after this many images in a row: it was carried",
+        minimum=1,
+    )
     notice_after_s: float = setting(
         0.3, "what is not as it should be for this long is told to the operator", unit="s", minimum=0.0
+    )
+    notice_over_s: float = setting(
+        1.0,
+        "and so is what more than half of the images of this long show; it is over when at most a quarter show it",
+        unit="s",
+        above=0.0,
     )
     dead_share_max: float = setting(0.1, "larger share of black pixels than this is told", above=0.0, maximum=1.0)
     touch_m: float = setting(

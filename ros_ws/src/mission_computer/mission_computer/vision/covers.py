@@ -9,6 +9,8 @@ import numpy as np
 
 from mission_computer.vision.config import VisionConfig
 from mission_computer.vision.discs import Disc
+from mission_computer.vision.resolution import coarseness
+from mission_computer.vision.tracks import Track
 from swarm_msgs_py.markers import CoverMarker
 from swarm_msgs_py.messages.camera_report import Refusal, RobotFix
 from swarm_msgs_py.types import FloatArray
@@ -18,19 +20,19 @@ CLEARLY_BETTER = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
-    """Where a robot was last.
+class Match:
+    """What the discs of one color say of the robot that wears it.
 
     Attributes
     ----------
-    position : (2,) array
-        [m].
-    reach : float
-        How far it may be from there by now [m].
+    result : RobotFix or Refusal
+        Where it is, or why that is not known.
+    own : tuple of Disc
+        What is on its cover, as far as one can tell; the others are something else.
     """
 
-    position: FloatArray
-    reach: float
+    result: RobotFix | Refusal
+    own: tuple[Disc, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,9 +45,9 @@ class _Pair:
 
 
 def find_cover(
-    marker: CoverMarker, discs: Sequence[Disc], track: Track | None, config: VisionConfig
-) -> tuple[RobotFix, tuple[Disc, Disc]] | Refusal:
-    """Return where a robot is and the two discs that tell it, or why that is not known.
+    marker: CoverMarker, discs: Sequence[Disc], track: Track | None, near: Track | None, config: VisionConfig
+) -> Match:
+    """Return where a robot is and the discs that tell it, or why that is not known.
 
     Parameters
     ----------
@@ -53,13 +55,13 @@ def find_cover(
     discs : sequence of Disc
         Everything of its color.
     track : Track or None
-        Only decides between several covers that fit.
+        Where it may be, to decide between several covers that fit. A single one is returned wherever it is.
+    near : Track or None
+        Where it may be if it has stopped: what is elsewhere is not its own.
     config : VisionConfig
     """
-    if not discs:
-        return Refusal.NOT_SEEN
-    large = [(disc, rest) for disc in discs if (rest := _slack(disc, marker.large_radius, config)) > 0.0]
-    small = [(disc, rest) for disc in discs if (rest := _slack(disc, marker.small_radius, config)) > 0.0]
+    large = [(disc, rest) for disc in discs if (rest := _slack(marker, disc, marker.large_radius, config)) > 0.0]
+    small = [(disc, rest) for disc in discs if (rest := _slack(marker, disc, marker.small_radius, config)) > 0.0]
     pairs = [
         _Pair(one, other, min(one_rest, other_rest, rest))
         for one, one_rest in large
@@ -67,23 +69,39 @@ def find_cover(
         if (rest := _baseline_slack(one, other, marker, config)) > 0.0
     ]
     if not pairs:
-        return _why_none(discs, bool(large), bool(small))
+        own = tuple(disc for disc in discs if _may_be_on(marker, disc, near, config))
+        return Match(_why_none(marker, own, config), own)
     pair = _best(pairs, marker, track)
     if pair is None:
-        return Refusal.AMBIGUOUS
-    return _fix(marker, pair, config), (pair.large, pair.small)
+        return Match(Refusal.AMBIGUOUS, tuple(disc for pair in pairs for disc in (pair.large, pair.small)))
+    return Match(_fix(marker, pair, config), (pair.large, pair.small))
 
 
-def _slack(disc: Disc, radius: float, config: VisionConfig) -> float:
-    """Return how far a blob is from being refused as a disc of a radius: 1 ideal, 0 or less refused."""
-    if disc.is_cut or disc.backing > config.backing_max:
+def _may_be_on(marker: CoverMarker, disc: Disc, near: Track | None, config: VisionConfig) -> bool:
+    """Return whether a blob may be on the cover of a robot: it is on black, as far as it shows, where the robot is."""
+    is_there = near is None or near.may_be_at(disc.center, marker.radius)
+    return is_there and (disc.is_cut or _is_backed(marker, disc, config))
+
+
+def _slack(marker: CoverMarker, disc: Disc, radius: float, config: VisionConfig) -> float:
+    """Return how far a blob is from being refused as a disc of a radius: 1 ideal, 0 or less refused.
+
+    The fewer pixels a disc has, the less is known of it; its form suffers most, which is made of second moments.
+    """
+    if disc.is_cut or not _is_backed(marker, disc, config):
         return 0.0
+    coarse = coarseness(radius / disc.pixel_m)
     used = (
-        abs(disc.radius / radius - 1.0) / config.radius_tolerance,
-        (disc.elongation - 1.0) / (config.elongation_max - 1.0 + 1e-9),
-        abs(disc.solidity - 1.0) / config.solidity_tolerance,
+        abs(disc.radius / radius - 1.0) / (config.radius_tolerance * coarse),
+        (disc.elongation - 1.0) / ((config.elongation_max - 1.0) * coarse**2 + 1e-9),
+        abs(disc.solidity - 1.0) / (config.solidity_tolerance * coarse**2),
     )
     return 1.0 - max(used)
+
+
+def _is_backed(marker: CoverMarker, disc: Disc, config: VisionConfig) -> bool:
+    """Return whether a blob lies on black; rims of covers are as wide as small discs, and as few pixels."""
+    return disc.backing <= config.backing_max * coarseness(marker.small_radius / disc.pixel_m)
 
 
 def _baseline_slack(large: Disc, small: Disc, marker: CoverMarker, config: VisionConfig) -> float:
@@ -102,10 +120,17 @@ def _best(pairs: Sequence[_Pair], marker: CoverMarker, track: Track | None) -> _
     return ranked[0]
 
 
-def _why_none(discs: Sequence[Disc], has_large: bool, has_small: bool) -> Refusal:
+def _why_none(marker: CoverMarker, own: Sequence[Disc], config: VisionConfig) -> Refusal:
+    """Return why the blobs that may be on a robot's cover are not two discs at the right distance."""
+    if not own:
+        return Refusal.NOT_SEEN
+    has_large, has_small = (
+        any(_slack(marker, disc, radius, config) > 0.0 for disc in own)
+        for radius in (marker.large_radius, marker.small_radius)
+    )
     if has_large and has_small:
         return Refusal.MISMATCH
-    if any(disc.is_cut for disc in discs):
+    if any(disc.is_cut for disc in own):
         return Refusal.CUT_OFF
     return Refusal.ONE_DISC if has_large or has_small else Refusal.DEFORMED
 

@@ -15,7 +15,7 @@ import numpy as np
 from mission_computer.vision.calibration import PlaneMap
 from mission_computer.vision.colors import Blob
 from mission_computer.vision.config import VisionConfig
-from mission_computer.vision.light import linear_light
+from swarm_msgs_py.light import light_of
 from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.messages.camera import ImageArray
 from swarm_msgs_py.types import FloatArray
@@ -95,7 +95,7 @@ def measure(blob: Blob, pixels: ImageArray, largest: ImageArray, plane: PlaneMap
     touches = top == 0 or left == 0 or bottom == height or right == width
     is_dead = (largest[rows, columns] <= config.dead_code) & (around | (region > 0))
 
-    light = linear_light(pixels[rows, columns])
+    light = light_of(pixels[rows, columns])
     core = cv2.erode(mask, CORE, borderType=cv2.BORDER_CONSTANT, borderValue=0) > 0
     if core.sum() < LEAST_CORE_PX:
         core = mask > 0

@@ -24,7 +24,7 @@ class Refusal(Enum):
     """Why a robot has no fix in an image, the first reason that applies."""
 
     NOT_SEEN = "not seen"
-    """No disc of its color: it is missing, out of view, or in a dark part of the image."""
+    """Nothing that could be on its cover: it is missing, out of view, or in a dark part of the image."""
     CUT_OFF = "cut off"
     """A disc ends at the border of the image or of a dark part."""
     DEFORMED = "deformed"
@@ -35,6 +35,8 @@ class Refusal(Enum):
     """Both sizes of discs are there, but not at the distance that they have on the cover."""
     AMBIGUOUS = "ambiguous"
     """More than one pair of discs could be the robot, and its track does not tell which."""
+    ELSEWHERE = "not where it was"
+    """Its two discs show where it cannot have driven: a look-alike, unless they stay."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +63,7 @@ class Rejection:
 
 @dataclass(frozen=True, slots=True)
 class Stray:
-    """A colored blob that belongs to no fix.
+    """A colored blob that is on no robot, as far as one can tell.
 
     Attributes
     ----------

@@ -14,10 +14,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_msgs_py.light import light_of
 from swarm_msgs_py.markers import PRINTED_SRGB, CoverMarker, FloorMarks
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.bullet import open_server, pybullet
-from swarm_sim.camera.exposure import LightArray, codes_of, light_of
+from swarm_sim.camera.exposure import LightArray, codes_of
 from swarm_sim.camera.optics import Optics
 from swarm_sim.camera.raster import BLACK_SRGB, DRUM_SRGB, FLOOR_SRGB, Spot
 from swarm_sim.camera.square_means import square_means

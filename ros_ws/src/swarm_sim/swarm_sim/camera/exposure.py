@@ -6,33 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from swarm_msgs_py.light import CODES
 from swarm_msgs_py.messages.camera import ImageArray
-from swarm_msgs_py.types import FloatArray
 from swarm_sim.config import CameraConfig
 
 LightArray = NDArray[np.float32]
-CODES = 255.0
 TABLE_SIZE = 4096
 """Entries of the table of codes over light 0 to 1; its steps are below half a code where light is not almost black."""
 NORMAL_SIZE = 65536
-
-
-def linear_of(srgb: tuple[int, int, int]) -> FloatArray:
-    """Return the linear light (3,) that sRGB codes stand for (IEC 61966-2-1)."""
-    return _linear(np.array(srgb) / CODES)
-
-
-def _linear(share: FloatArray) -> FloatArray:
-    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-
-
-_LIGHT_OF_CODE = _linear(np.arange(CODES + 1.0) / CODES).astype(np.float32)
-
-
-def light_of(codes: ImageArray) -> LightArray:
-    """Return the linear light of whole sRGB codes of any shape."""
-    light: LightArray = _LIGHT_OF_CODE[codes]
-    return light
 
 
 def _code_table() -> LightArray:

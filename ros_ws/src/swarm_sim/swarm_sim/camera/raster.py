@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swarm_msgs_py.light import linear_of
 from swarm_msgs_py.markers import PRINTED_SRGB, CoverMarker, FloorMarks, MarkerColor
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.camera.coverage import Pixels, edge_coverage
-from swarm_sim.camera.exposure import LightArray, codes_of, linear_of
+from swarm_sim.camera.exposure import LightArray, codes_of
 from swarm_sim.camera.optics import Optics
 from swarm_sim.camera.windows import Window, window_around
 
