@@ -75,7 +75,9 @@ def _run(arguments: Arguments, interruption: Interruption, stdout: TextIO, conso
             raise ConfigError(f"--show: '{scenario.name}' has no camera (sim.camera.is_on); leave the option out")
     folder = RunFolder(arguments.out) if arguments.out is not None else reserve_default(scenario, RUNS)
     try:
-        film = FilmOrder(folder.path / FILM, actors.image_hz) if arguments.show and actors.image_hz else None
+        film = None
+        if arguments.show and actors.image_hz:
+            film = FilmOrder(folder.path / FILM, actors.image_hz, actors.period_s)
         run = Run(scenario, arguments.engine.value, behavior.account(scenario), folder)
         dashboard = Dashboard(behavior.scenes(scenario)) if arguments.dashboard else None
         with _live_view(arguments, scenario) as live, Progress(console, dashboard, live) as progress:

@@ -70,29 +70,6 @@ def check_extensions(scenario: Scenario) -> None:
         extension(STRATEGIES, scenario.agent.decision.strategy)
 
 
-def check_camera(scenario: Scenario) -> None:
-    """Refuse a camera that cannot know the robots, or images between ticks; and robots that need one where none is.
-
-    Raises
-    ------
-    ConfigError
-        Naming the settings.
-    """
-    camera, period_s = scenario.sim.camera, scenario.sim.period_s
-    if not camera.is_on:
-        if scenario.agent.lps.from_camera:
-            raise ConfigError("agent.lps.from_camera needs sim.camera.is_on; switch the one on, or the other off")
-        return
-    plain = [group.type for group in scenario.robots.types if group.count and not group.colors]
-    if plain:
-        raise ConfigError(f"robots of type {plain[0]} have no colors to be known by; give robots.types[].colors")
-    if camera.rate_hz * period_s > 1.0 + 1e-9:
-        raise ConfigError(
-            f"sim.camera.rate_hz ({camera.rate_hz:g} Hz) is more than one image in a tick of {period_s:g} s; lower it, "
-            "or lower sim.period_s"
-        )
-
-
 def check_events(scenario: Scenario) -> None:
     """Refuse events that cannot happen: after the end, to robots that are not there, or to one that is dead by then.
 

@@ -13,6 +13,8 @@ from bringup.family import Metrics
 from bringup.formation_scenes import FormationScenes
 from bringup.history import History
 from bringup.installation import check_physics
+from bringup.labels import distance_text
+from bringup.layout import markers
 from bringup.origin import Origin
 from bringup.resolution import resolve
 from bringup.results import FormationMetrics, Outcome, formation_metrics
@@ -23,6 +25,8 @@ from bringup.trajectories import trajectory_arrays
 from bringup.verdict import Timing, Verdict
 from reports.run_record import RunRecord
 from swarm_msgs_py.types import NodeId
+from swarm_sim.camera.sight import Sight
+from swarm_sim.metrics.camera import View, everybody
 from swarm_sim.metrics.trace import TraceRecorder
 
 
@@ -38,10 +42,15 @@ class FormationAccount:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         robots = tuple(NodeId(robot) for robot in range(scenario.robots.count))
-        self.recorder = TraceRecorder(robots, scenario.sim.period_s)
+        self.recorder = TraceRecorder(robots, scenario.sim.period_s, camera_view(scenario))
         complete_s = max(scenario.arrivals.values(), default=0) * scenario.sim.period_s
         self.supervisor = Supervisor(
-            robots, scenario.success, scenario.sim.period_s, scenario.duration_s, complete_s=complete_s
+            robots,
+            scenario.success,
+            scenario.sim.period_s,
+            scenario.duration_s,
+            complete_s=complete_s,
+            is_under_camera=scenario.agent.lps.from_camera,
         )
         self.history = History()
 
@@ -96,6 +105,12 @@ class FormationAccount:
         return encoded(make_figure(record, "overview"), "png")
 
 
+def camera_view(scenario: Scenario) -> View:
+    """Return what tells whom the images of a run show."""
+    camera = scenario.sim.camera
+    return Sight(camera, markers(scenario), scenario.seed).in_view if camera.is_on else everybody
+
+
 class FormationBehavior:
     """Implements `bringup.family.Behavior`."""
 
@@ -132,7 +147,7 @@ def _rows(metrics: FormationMetrics) -> list[tuple[str, str]]:
         ("settling time", f"{settled} (bottleneck {bottleneck})"),
         ("total displacement", displacement),
         ("collisions", f"{metrics.collisions} (least gap {_number(metrics.min_clearance_m, 'm', 3)})"),
-        ("localization error", f"{_number(metrics.localization_rmse_m, 'm', 3)} rms"),
+        ("localization error", f"{distance_text(metrics.localization_rmse_m)} rms"),
         ("radio", f"{traffic}, peak {metrics.radio_neighborhood_peak_bps / 1e3:.0f} kbit/s in a neighborhood"),
         ("speed", f"{_number(metrics.real_time_factor, 'x real time')}, start-up {_number(metrics.startup_s, 's')}"),
     ]

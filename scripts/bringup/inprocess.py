@@ -9,7 +9,7 @@ from threading import Event
 from typing import Any
 
 from bringup.engine import Actors, AgentActor, MissionActor, TickRecord
-from bringup.filming import FilmOrder, filming
+from bringup.filming import FilmOrder, develop, filming
 from swarm_msgs_py.types import MISSION, NodeId
 from swarm_sim.electronics import arrival_line, death_line
 from swarm_sim.ticked_world import TickedWorld
@@ -30,7 +30,7 @@ class InProcessEngine:
     def __init__(self, actors: Actors, *, real_time: bool = False, film: FilmOrder | None = None) -> None:
         self._actors = actors
         self._open = ExitStack()
-        self._film = self._open.enter_context(filming(film))
+        self._film_order, self._film = film, self._open.enter_context(filming(film))
         self._real_time = real_time
         self._simulation: TickedWorld | None = None
         self._mission: MissionActor | None = None
@@ -51,6 +51,7 @@ class InProcessEngine:
     def __exit__(self, *error: object) -> None:
         """Close the world, and the film."""
         self._open.close()
+        self.notes = develop(self._film_order)
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None

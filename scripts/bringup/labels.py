@@ -1,4 +1,4 @@
-"""Names of nodes, as alerts and errors print them."""
+"""Names of nodes, as alerts and errors print them, and distances as results do."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from itertools import pairwise
 from swarm_msgs_py.types import MISSION, NodeId, node_name, robot_name
 
 LISTED_MAX = 12  # nodes that are listed one by one
+CENTIMETER = 0.01  # below this, distances are told in millimeters [m]
 NAMED_MAX = 4  # things that a one-line error or reason names
 
 
@@ -33,3 +34,10 @@ def node_list(nodes: Sequence[NodeId]) -> str:
 def first_few(names: Sequence[str]) -> str:
     """Return some names in a line that is short however many there are: the first ones, and ``...`` for the rest."""
     return ", ".join([*names[:NAMED_MAX], *(["..."] if len(names) > NAMED_MAX else [])])
+
+
+def distance_text(distance_m: float | None) -> str:
+    """Return a distance for people, in millimeters below a centimeter; a dash for none."""
+    if distance_m is None:
+        return "-"
+    return f"{1000.0 * distance_m:.1f} mm" if distance_m < CENTIMETER else f"{distance_m:.3f} m"

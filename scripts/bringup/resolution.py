@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import shapely
 
+from bringup.camera_checks import check_camera
 from bringup.cross_checks import (
-    check_camera,
     check_events,
     check_extensions,
     check_margins,
@@ -17,6 +17,7 @@ from bringup.cross_checks import (
     first_plan_of,
     plan_maker,
 )
+from bringup.drive_checks import check_drive
 from bringup.layout import make_scene, robot_types, walls
 from bringup.origin import Origin, blamed
 from bringup.scenario import MapSpec, Scenario
@@ -58,6 +59,8 @@ def resolve(scenario: Scenario, origin: Origin) -> Scenario:
         check_events(scenario)
     with blamed(origin, "sim.camera"):
         check_camera(scenario)
+    with blamed(origin, "sim.drive"):
+        check_drive(scenario)
     with blamed(origin, "mission.partition.gaps"):
         check_margins(scenario)
     with blamed(origin, "sim.radio"):

@@ -67,9 +67,10 @@ class FormationMetrics:
     they had to at least, by how much the goals that they chose are farther than that, and from its order until all were
     at their goals for good.
 
-    The fifth group is of runs under a camera, None in others: images taken; of the robots wholly in view, the share
-    that was found; fixes that are nowhere near their robot; errors of the other fixes; and, over all robots and ticks,
-    of the headings that robots believed in.
+    The fifth group is of runs under a camera, None in others: images taken, and the share of
+    them that was refused as a whole; of the robots wholly in view, the share that was found; fixes that are nowhere
+    near their robot; errors of the other fixes; and, over all robots and ticks, of the headings that robots
+    believed in.
     """
 
     scenario: str
@@ -131,6 +132,7 @@ class FormationMetrics:
     stage_arrival_s: tuple[float | None, ...] | None = None
 
     camera_images: int | None = None
+    camera_unread_fraction: float | None = None
     camera_detected_fraction: float | None = None
     camera_false_fixes: int | None = None
     camera_position_rmse_m: float | None = None
@@ -215,6 +217,7 @@ def _of_camera(metrics: FormationMetrics, outcome: Outcome, trace: Trace) -> For
     return replace(
         metrics,
         camera_images=camera.images,
+        camera_unread_fraction=camera.unread / camera.images,
         camera_detected_fraction=camera.found / camera.in_view if camera.in_view else None,
         camera_false_fixes=camera.false_fixes,
         camera_position_rmse_m=_rms(places),

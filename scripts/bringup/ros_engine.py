@@ -13,7 +13,7 @@ from typing import Any
 
 from bringup.domain_guard import DomainGuard, domain_of
 from bringup.engine import Actors, AgentActor, TickRecord
-from bringup.filming import FilmOrder
+from bringup.filming import FilmOrder, develop
 from bringup.labels import node_list
 from bringup.patience import Patience
 from bringup.process_state import computing_s
@@ -132,6 +132,7 @@ class RosEngine:
             self._recorder.finish(self._group)
             self.notes = (self._recorder.note(),)
         self._group.stop()
+        self.notes += develop(self._film)  # here, for who filmed may have died
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None

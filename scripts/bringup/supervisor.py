@@ -22,6 +22,10 @@ from swarm_sim.metrics.settling import settled_samples
 
 __all__ = ["Supervisor", "Verdict"]
 
+SENSOR_SOURCE = "robots.position_sensor_share"
+CAMERA_SOURCE = "the camera gave them no fix; see the alerts and sim.camera"
+"""What to look at when robots do not know where they are."""
+
 
 class Supervisor:
     """Watches the records of a run, from true states alone (spec 14.4); the robots never hear of it.
@@ -37,6 +41,8 @@ class Supervisor:
         Simulated time limit [s].
     complete_s : float
         When the last robot has been switched on that the scenario adds; nothing is achieved before [s].
+    is_under_camera : bool
+        Whether robots learn from an overhead camera where they are.
 
     Attributes
     ----------
@@ -57,7 +63,7 @@ class Supervisor:
         Whether robots that find their goals by themselves found the same.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - all that a verdict depends on
         self,
         robots: tuple[NodeId, ...],
         success: SuccessSpec,
@@ -65,12 +71,14 @@ class Supervisor:
         duration_s: float,
         *,
         complete_s: float = 0.0,
+        is_under_camera: bool = False,
     ) -> None:
         self._robots = robots
         self._success = success
         self._period = period_s
         self._duration = duration_s
         self._complete = complete_s
+        self._position_source = CAMERA_SOURCE if is_under_camera else SENSOR_SOURCE
         self._contour: shapely.Polygon | None = None  # as it is at the end of the tick
         self._drawn: FloatArray | None = None  # the points of it
         self._mission: MissionReport | None = None  # the last one
@@ -248,7 +256,7 @@ class Supervisor:
             return "; no plan was made"
         blind = self._count(lambda report: not np.isfinite(report.position).all())
         if blind:
-            return f"; {blind} have no position (robots.position_sensor_share)"
+            return f"; {blind} have no position ({self._position_source})"
         silent = len(self._distances) - self._count(lambda _: True)
         if silent:
             return f"; {silent} never answered; see the alerts for why"

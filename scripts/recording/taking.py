@@ -13,6 +13,7 @@ from swarm_msgs_py.ros import convert
 from swarm_msgs_py.topics import (
     BOAT,
     CAMERA_IMAGE,
+    CAMERA_INFO,
     CLOCK,
     FIX,
     IMU,
@@ -24,14 +25,14 @@ from swarm_msgs_py.topics import (
     Parts,
 )
 
-CHANNEL_OF_PART = {
-    Parts.IMU: IMU,
-    Parts.FIX: FIX,
-    Parts.RANGES: RANGES,
-    Parts.PROXIMITY: PROXIMITY,
-    Parts.IMAGE: CAMERA_IMAGE,
-    Parts.NEIGHBORS: NEIGHBORS,
-    Parts.BOAT: BOAT,
+CHANNELS_OF_PART = {
+    Parts.IMU: (IMU,),
+    Parts.FIX: (FIX,),
+    Parts.RANGES: (RANGES,),
+    Parts.PROXIMITY: (PROXIMITY,),
+    Parts.IMAGE: (CAMERA_IMAGE, CAMERA_INFO),
+    Parts.NEIGHBORS: (NEIGHBORS,),
+    Parts.BOAT: (BOAT,),
 }
 """What each announced part of a tick is; a part that nobody counts could be lost unnoticed."""
 
@@ -121,6 +122,6 @@ class Taking:
 
     def _note_promises(self, topic: str, data: bytes, tick: int) -> None:
         flags, node = convert.decode_frames(data).flags, topic.split("/")[1]
-        for part, channel in CHANNEL_OF_PART.items():
-            if flags & part:
+        for part, channels in CHANNELS_OF_PART.items():
+            for channel in channels if flags & part else ():
                 self.account.promised[channel.template.format(node=node)].add(tick)

@@ -121,7 +121,7 @@ def _study(arguments: Arguments, interruption: Interruption) -> int:
     write_files(arguments.out, {TABLE: as_markdown(scores, len(done), warning).encode()})
     console = console_on(sys.stdout)
     for name, target, value, met in target_rows(scores):
-        console.print(f"{name:<40}{target:>16}{value:>14}  {met}", markup=False)
+        console.print(f"{name:<46}{target:>16}{value:>14}  {met}", markup=False)
     if warning:
         console.print(warning, markup=False, soft_wrap=True)
     console.print(f"results: {arguments.out / TABLE}", markup=False, soft_wrap=True)

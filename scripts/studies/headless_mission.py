@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 from bringup.compose import ScenarioActors
+from bringup.formation import camera_view
 from bringup.inprocess import InProcessEngine
 from bringup.results import Outcome, Timing
 from bringup.scenario import Scenario
@@ -18,7 +19,7 @@ ENGINE = "inprocess"
 def run_to_verdict(scenario: Scenario) -> Outcome:
     """Run a resolved scenario until it is achieved, or its time is over."""
     actors = ScenarioActors(scenario)
-    recorder = TraceRecorder(actors.robots, scenario.sim.period_s)
+    recorder = TraceRecorder(actors.robots, scenario.sim.period_s, camera_view(scenario))
     supervisor = Supervisor(actors.robots, scenario.success, scenario.sim.period_s, scenario.duration_s)
     verdict: Verdict | None = None
     with InProcessEngine(actors) as engine:

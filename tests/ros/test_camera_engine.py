@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import CameraInfo as CameraInfoMessage
 from sensor_msgs.msg import Image, Imu
@@ -60,9 +61,13 @@ def test_an_image_in_another_encoding_is_refused() -> None:
 
 def test_what_is_known_of_the_camera_survives_its_message() -> None:
     info = CameraInfo(640, 480, np.array([[500.0, 0.0, 320.5], [0.0, 501.0, 239.5], [0.0, 0.0, 1.0]]), np.arange(5) / 9)
-    message = deserialize_message(serialize_message(camera.info_message(info)), CameraInfoMessage)
+    message = deserialize_message(
+        serialize_message(camera.info_message(info, Time(sec=3, nanosec=500_000_000))), CameraInfoMessage
+    )
     again = camera.info_of(message)
 
+    stamp = message.header.stamp
+    assert (message.header.frame_id, stamp.sec, stamp.nanosec) == ("camera", 3, 500_000_000)
     assert (again.width, again.height) == (640, 480)
     assert again.intrinsics.tobytes() == info.intrinsics.tobytes()
     assert again.distortion.tobytes() == info.distortion.tobytes()
@@ -94,7 +99,7 @@ def test_a_run_under_the_camera_is_the_same_to_the_byte_as_without_ros(films: Pa
     )
     actors = ScenarioActors(resolve(*load_scenario("arena", tuple(map(parse_assignment, settings)))))
     film = films / "camera.mp4"
-    with RosEngine(actors, film=FilmOrder(film, 10.0)) as engine:
+    with RosEngine(actors, film=FilmOrder(film, 10.0, actors.period_s)) as engine:
         records = list(islice(engine.ticks(), TICKS))
     with InProcessEngine(actors) as reference:
         expected = list(islice(reference.ticks(), TICKS))

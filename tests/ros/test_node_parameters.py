@@ -16,6 +16,7 @@ from mission_computer.ros import mission_node
 from swarm_agent.ros import agent_node
 from swarm_msgs_py.config import Config, section, setting
 from swarm_msgs_py.errors import ConfigError
+from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.ros.parameters import declare_config, refuse_unknown_overrides
 from swarm_sim.ros import world_node
 
@@ -106,3 +107,23 @@ def test_a_node_started_by_itself_ends_with_code_2_on_bad_input(main: Any, capfd
 
     assert end.value.code == 2
     assert "unknown parameter 'no_such_setting'" in capfd.readouterr().err
+
+
+def test_a_mission_computer_started_by_itself_can_be_told_the_covers_under_its_camera(ros: RosHarness) -> None:
+    identity = declare_config(
+        node_with(ros, colors="blue, red", counts=[1, 1], cover_radii_m=[0.16, 0.11]), mission_node.MissionIdentity()
+    )
+
+    assert [(int(cover.robot), cover.color, cover.radius) for cover in identity.covers] == [
+        (0, MarkerColor.BLUE, 0.16),
+        (1, MarkerColor.RED, 0.11),
+    ]
+    assert mission_node.MissionIdentity().covers == ()
+
+
+@pytest.mark.parametrize(
+    ("colors", "words"), [("red,blue", "each of the 5"), ("red,blue,red,pink,green", "'red' is"), ("a,b,c,d,e", "'a'")]
+)
+def test_covers_that_do_not_fit_the_robots_are_refused(colors: str, words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        mission_node.MissionIdentity(colors=colors, counts=(1, 2, 2))

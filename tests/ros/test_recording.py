@@ -90,7 +90,7 @@ def test_images_of_the_camera_are_recorded_as_well(tmp_path_factory: pytest.Temp
     assert engine.notes[0].endswith("none lost")
     assert counts[CAMERA_IMAGE.topic()] >= ticks
     assert counts[CAMERA_VIEW.topic()] > 0
-    assert counts[CAMERA_INFO.topic()] == 1
+    assert abs(counts[CAMERA_INFO.topic()] - counts[CAMERA_IMAGE.topic()]) <= 1  # one may be on its way at the end
 
 
 @pytest.mark.usefixtures("nothing_left")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bringup.labels import LISTED_MAX, first_few, node_list
+from bringup.labels import LISTED_MAX, distance_text, first_few, node_list
 from swarm_msgs_py.types import MISSION, NodeId
 
 CASES = {
@@ -32,3 +32,7 @@ def test_the_first_few_of_many_names_stand_for_all() -> None:
     assert first_few([]) == ""
     assert first_few(["a", "b", "c", "d"]) == "a, b, c, d"
     assert first_few(["a", "b", "c", "d", "e"]) == "a, b, c, d, ..."
+
+
+def test_small_distances_are_told_in_millimeters() -> None:
+    assert [distance_text(value) for value in (None, 0.0004, 0.25)] == ["-", "0.4 mm", "0.250 m"]

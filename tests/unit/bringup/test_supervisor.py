@@ -203,6 +203,16 @@ def test_the_time_limit_says_who_has_no_position() -> None:
     assert "2 have no position (robots.position_sensor_share)" in reason
 
 
+def test_under_a_camera_it_names_the_camera() -> None:
+    ticks = [make_tick(0, AT_GOALS, plan=PLAN), *resting(9, [[0, 0], [2, 4]])]
+    supervisor = Supervisor(ROBOTS, SuccessSpec(), PERIOD, 2.0, is_under_camera=True)
+
+    found = first_verdict(supervisor, [reported(tick, position=np.full(2, np.nan), goal=-1) for tick in ticks])
+
+    assert found is not None
+    assert "2 have no position (the camera gave them no fix" in found[1].reason
+
+
 @pytest.mark.parametrize(
     ("lost", "why"), [(frozenset(), "out of radio range"), (frozenset({MISSION}), "the mission computer is off")]
 )

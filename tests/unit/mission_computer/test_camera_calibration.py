@@ -8,6 +8,8 @@ from table_top import STARTS, YAWS, camera, picture
 
 from mission_computer.vision.calibration import calibrate, find_marks, plane_maps
 from swarm_msgs_py.markers import FloorMarks
+from swarm_sim.camera.optics import make_optics
+from swarm_sim.config import CameraConfig
 
 MARKS = FloorMarks()
 FLOOR = np.column_stack([MARKS.centers, np.zeros(4)])
@@ -92,7 +94,8 @@ def test_the_map_of_a_plane_agrees_with_the_optics_of_the_simulator() -> None:
 @pytest.mark.parametrize("distortion", [-0.15, 0.05])
 @pytest.mark.parametrize(("width", "height"), [(320, 240), (1280, 960)])
 def test_maps_from_few_points_are_those_of_every_pixel(distortion: float, width: int, height: int) -> None:
-    optics = camera(seed=4, radial_distortion=distortion, width_px=width, height_px=height).optics
+    config = CameraConfig(radial_distortion=distortion, width_px=width, height_px=height)
+    optics = make_optics(config, np.random.default_rng(4))
     place = calibrate(optics.project(FLOOR), optics.info, MARKS)
     assert place is not None
     rows, columns = np.mgrid[:height:7, :width:7]

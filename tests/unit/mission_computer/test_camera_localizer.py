@@ -3,9 +3,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 from table_top import AWAY, BLUE, GREEN, MARKERS, PINK, RED, STARTS, YAWS, YELLOW, camera, localizer, moved, picture
 
 from mission_computer.vision.calibration import find_marks
@@ -182,86 +182,6 @@ def test_a_disc_that_something_covers_is_refused(ready: CameraLocalizer) -> None
     assert reasons(look(ready, image)) == {BLUE: Refusal.ONE_DISC}
 
 
-def test_two_covers_of_one_color_are_told_apart_by_the_track_only() -> None:
-    """A photograph of a robot lies on the floor: copied pixels, of the same height as far as one image can tell."""
-    image, twin = picture(), picture(moved(PINK, (0.0, -0.1)), number=1)
-    both = picture()
-    column, row = camera().optics.project(np.array([[0.0, -0.1, 0.12]]))[0].round().astype(int)
-    part = (slice(row - 24, row + 24), slice(column - 24, column + 24))
-    both.pixels[part] = twin.pixels[part]
-
-    fresh, tracking = localizer(), localizer()
-    assert fresh.locate(both, camera().info).rejections[0].reason is Refusal.AMBIGUOUS
-    tracking.locate(image, camera().info)
-    known = tracking.locate(replace(both, time=0.1), camera().info)
-    assert known.rejections == ()
-    assert_allclose(known.fixes[PINK].position, STARTS[PINK], atol=POSITION_M)
-
-
-def look_alike(number: int, *, robot_too: bool) -> CameraImage:
-    """Return an image in which pink's cover shows at (0, -0.1), and nowhere else unless `robot_too`."""
-    image = picture(number=number) if robot_too else picture(moved(PINK, AWAY), number=number)
-    twin = picture(moved(PINK, (0.0, -0.1)), number=number)
-    column, row = camera().optics.project(np.array([[0.0, -0.1, 0.12]]))[0].round().astype(int)
-    part = (slice(row - 24, row + 24), slice(column - 24, column + 24))
-    image.pixels[part] = twin.pixels[part]
-    return image
-
-
-def test_a_look_alike_of_a_robot_that_is_hidden_is_no_fix() -> None:
-    eyes = localizer()
-    eyes.locate(picture(), camera().info)
-
-    reports = [eyes.locate(look_alike(number, robot_too=False), camera().info) for number in range(1, 9)]
-    back = eyes.locate(look_alike(9, robot_too=True), camera().info)
-
-    assert {reasons(report)[PINK] for report in reports} == {Refusal.ELSEWHERE}
-    assert all(len(report.strays) == 2 for report in reports)
-    assert len(back.fixes) == 5
-    assert_true(back, STARTS)
-
-
-def test_a_robot_that_was_carried_is_believed_after_some_images_in_a_row() -> None:
-    eyes, elsewhere = localizer(moved_images=4), moved(PINK, (0.0, -0.1))
-    eyes.locate(picture(), camera().info)
-
-    counts = []
-    for number in range(1, 9):
-        is_gap = number == 3
-        shown = picture(moved(PINK, AWAY) if is_gap else elsewhere, number=number)
-        counts.append(len(eyes.locate(shown, camera().info).fixes))
-
-    assert counts == [4, 4, 4, 4, 4, 4, 5, 5]
-
-
-def test_a_look_alike_that_leaps_about_is_never_believed() -> None:
-    eyes = localizer(moved_images=3)
-    eyes.locate(picture(), camera().info)
-
-    places = [(0.0, -0.1), (0.2, -0.1)] * 4
-    shown = [picture(moved(PINK, place), number=number + 1) for number, place in enumerate(places)]
-
-    assert {len(eyes.locate(image, camera().info).fixes) for image in shown} == {4}
-
-
-def test_a_robot_that_was_not_seen_for_long_is_found_wherever_it_is() -> None:
-    eyes = localizer()
-    eyes.locate(picture(), camera().info)
-
-    report = eyes.locate(replace(picture(moved(PINK, (0.0, -0.1))), time=10.0), camera().info)
-
-    assert len(report.fixes) == 5
-
-
-def test_a_camera_that_was_replaced_knows_nothing_of_where_robots_were() -> None:
-    other, eyes = camera(seed=8), localizer()
-    eyes.locate(picture(), camera().info)
-    shot = other.take(0, 0.1, moved(PINK, (0.0, -0.1)), YAWS)
-    assert shot is not None
-
-    assert len(eyes.locate(shot, other.info).fixes) == 5
-
-
 def test_a_distractor_far_from_a_robot_that_is_missing_does_not_make_it_a_deformed_one() -> None:
     eyes = localizer()
     eyes.locate(picture(), camera().info)
@@ -293,6 +213,19 @@ def test_images_of_any_common_size_are_read(width: int, height: int, images: int
         assert report.rejections == report.strays == ()
         for fix in report.fixes:
             assert np.hypot(*(fix.position - case.positions[fix.robot])) < 0.006
+
+
+def test_the_first_image_undoes_the_lens_for_few_points_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, undo = [], cv2.undistortPoints
+
+    def counting(points: np.ndarray, *rest: object, **more: object) -> np.ndarray:
+        asked.append(len(points))
+        return undo(points, *rest, **more)  # type: ignore[call-overload,no-any-return]
+
+    monkeypatch.setattr(cv2, "undistortPoints", counting)
+
+    assert len(localizer().locate(picture(), camera().info).fixes) == 5
+    assert 0 < sum(asked) < 5000  # of 307,200 pixels
 
 
 def test_the_smallest_disc_in_pixels_tells_whether_a_camera_can_be_read() -> None:

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from mission_computer.vision.config import VisionConfig
-from mission_computer.vision.covers import Match, find_cover
+from mission_computer.vision.covers import Match, Whereabouts, find_cover
 from mission_computer.vision.discs import Disc
 from mission_computer.vision.tracks import Track
 from swarm_msgs_py.markers import CoverMarker, MarkerColor
@@ -29,8 +29,8 @@ def cover(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[Disc, Disc]
     return disc(*large, MARKER.large_radius), disc(*small, MARKER.small_radius)
 
 
-def found(*discs: Disc, track: Track | None = None, near: Track | None = None, config: VisionConfig = CONFIG) -> Match:
-    return find_cover(MARKER, discs, track, near, config)
+def found(*discs: Disc, config: VisionConfig = CONFIG, **known: Track) -> Match:
+    return find_cover(MARKER, discs, config, Whereabouts(**known))
 
 
 def fix_of(match: Match) -> RobotFix:
@@ -116,6 +116,13 @@ def test_two_covers_are_ambiguous_unless_the_robot_cannot_have_gone_to_one_of_th
     assert found(*discs, track=Track(np.array([0.2, 0.2]), 2.0)).result is Refusal.AMBIGUOUS
     near = fix_of(found(*discs, track=Track(np.array([0.48, 0.5]), 0.1)))
     assert_allclose(near.position, (0.5, 0.5), atol=1e-12)
+
+
+def test_a_cover_where_the_robot_was_before_it_was_carried_makes_it_ambiguous() -> None:
+    here, there = Track(np.array([0.5, 0.5]), 0.1), Track(np.zeros(2), 0.1)
+
+    assert found(*cover(), *cover(0.5, 0.5), track=here, left=there).result is Refusal.AMBIGUOUS
+    assert_allclose(fix_of(found(*cover(0.5, 0.5), track=here, left=there)).position, (0.5, 0.5), atol=1e-12)
 
 
 def test_the_larger_the_pixels_the_less_certain_the_fix() -> None:

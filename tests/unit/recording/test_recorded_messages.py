@@ -17,7 +17,7 @@ from recording import FOLDER
 from recording.audit import Audit
 from recording.bag import BagWriter, opened
 from recording.stamps import time_of
-from recording.taking import CHANNEL_OF_PART, Account, Taking
+from recording.taking import CHANNELS_OF_PART, Account, Taking
 from recording.tick_ranges import TickRanges
 from swarm_msgs_py import topics
 from swarm_msgs_py.errors import ConfigError
@@ -122,7 +122,7 @@ def test_radio_batches_promise_the_readings_beside_them() -> None:
 
 
 def test_every_announced_part_is_counted() -> None:
-    assert CHANNEL_OF_PART.keys() == set(Parts)
+    assert CHANNELS_OF_PART.keys() == set(Parts)
 
 
 def test_a_bag_is_read_by_rosbags_and_by_the_readers_of_its_format(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from swarm_msgs_py.markers import MarkerColor
 from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus, RobotFix
 from swarm_msgs_py.types import NodeId
 from swarm_sim.camera.feed import CameraFeed
+from swarm_sim.camera.sight import Sight
 from swarm_sim.config import (
     Backend,
     CameraConfig,
@@ -85,8 +86,8 @@ def test_radios_that_do_not_range_give_nothing() -> None:
     assert all(not len(scan.neighbors) for scan in ranging.measure(0, STARTS, links))
 
 
-def report(*fixes: RobotFix, status: CameraStatus = CameraStatus.OK, dead: float = 0.0) -> CameraReport:
-    return CameraReport(0.0, status, fixes, (), (), dead)
+def report(*fixes: RobotFix, status: CameraStatus = CameraStatus.OK, time: float = 0.0) -> CameraReport:
+    return CameraReport(time, status, fixes, (), (), 0.0)
 
 
 def fix(robot: int, x: float, yaw: float = 0.0) -> RobotFix:
@@ -94,17 +95,35 @@ def fix(robot: int, x: float, yaw: float = 0.0) -> RobotFix:
 
 
 def test_fixes_are_compared_with_the_truth() -> None:
-    scores, rows = CameraScores(), {NodeId(0): 0, NodeId(1): 1}
+    seen = {0.5: (False, True), 0.9: (False, False)}
+    view = lambda time, _: np.array(seen.get(time, (True, True)))  # noqa: E731 - one of several views
+    scores, rows = CameraScores(view), {NodeId(0): 0, NodeId(1): 1}
     truth, yaws = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([0.0, math.pi - 0.01])
 
     scores.take(report(fix(0, 0.003), fix(1, 1.0, 0.01 - math.pi)), rows, truth, yaws)
     scores.take(report(fix(0, 1.0)), rows, truth, yaws)  # where the other one is
-    scores.take(report(fix(1, 1.001, math.pi), dead=0.5), rows, truth, yaws)
-    scores.take(report(status=CameraStatus.DARK, dead=1.0), rows, truth, yaws)
+    scores.take(report(fix(1, 1.001, math.pi), time=0.5), rows, truth, yaws)  # only half of it shows something
+    scores.take(report(status=CameraStatus.DARK), rows, truth, yaws)  # everybody could have been found
+    scores.take(report(status=CameraStatus.DARK, time=0.9), rows, truth, yaws)
+    scores.take(report(fix(0, 0.04)), rows, truth, yaws)  # nearer than the cover's rim, but not the cover
 
-    assert (scores.images, scores.in_view, scores.found, scores.false_fixes) == (4, 4, 2, 1)
+    assert (scores.images, scores.unread, scores.in_view, scores.found) == (6, 2, 9, 3)
+    assert scores.false_fixes == 2
     assert scores.position_errors == pytest.approx([0.003, 0.0, 0.001])
     assert scores.heading_errors == pytest.approx([0.0, 0.02, 0.01])
+
+
+def test_who_is_out_of_view_or_in_the_black_half_is_known_from_the_truth() -> None:
+    sight = Sight(CameraConfig(is_on=True, black_from_s=1.0, black_for_s=1.0), MARKERS, seed=1)
+    positions = STARTS.copy()
+    positions[4] = (1.6, 0.0)
+    far = positions.copy()
+    far[3] = (30.0, 30.0)
+
+    assert sight.in_view(0.0, positions).tolist() == [True, True, True, True, False]
+    assert sight.in_view(0.0, far).tolist() == [True, True, True, False, False]
+    assert sight.in_view(1.5, positions).tolist() == [False, False, True, False, False]
+    assert sight.in_view(2.0, positions).tolist() == [True, True, True, True, False]
 
 
 def test_headings_differ_the_short_way_around() -> None:

@@ -83,6 +83,15 @@ def test_light_falls_off_from_one_side_to_the_other_and_to_the_corners() -> None
     assert_array_equal(light[:, :, 0], light[:, :, 2])
 
 
+@pytest.mark.parametrize(("width", "height"), [(640, 480), (480, 640), (500, 500)])
+def test_the_vignette_is_what_the_corners_lose(width: int, height: int) -> None:
+    config = CameraConfig(light_gradient=0.0, vignette=0.2, tint_sigma=0.0, width_px=width, height_px=height)
+
+    light = illumination(config, np.random.default_rng(3))
+
+    assert light[0, 0, 0] == pytest.approx(0.8, abs=0.002)
+
+
 def test_covers_appear_where_the_optics_say_in_the_colors_of_the_robots() -> None:
     shot = camera(noise_codes=0.0, light_gradient=0.0, vignette=0.0, tint_sigma=0.0)
     pixels = shot.take(0, 0.0, STARTS, YAWS).pixels  # type: ignore[union-attr]

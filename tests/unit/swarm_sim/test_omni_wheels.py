@@ -61,6 +61,15 @@ def test_a_velocity_beyond_the_motors_is_slowed_down_in_its_own_direction() -> N
     assert_allclose(reached / reached[0, 0], wanted / wanted[0, 0], atol=1e-4)
 
 
+def test_saturated_rates_are_multiples_within_the_bound() -> None:
+    motors = StepMotors(OmniConfig(rate_resolution_hz=7.0), LEVER, STEP_S)
+
+    rates = motors.wanted_rates(np.array([[1.0, 0.4, 0.3]]))
+
+    assert np.abs(rates).max() == pytest.approx(994.0)  # 143 would be 1001 Hz
+    assert_allclose(rates / 7.0, np.rint(rates / 7.0))
+
+
 def test_motors_speed_up_no_faster_than_their_ramp_and_arrive() -> None:
     config = OmniConfig()
     motors = StepMotors(config, LEVER, STEP_S)

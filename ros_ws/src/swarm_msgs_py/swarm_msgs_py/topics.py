@@ -28,6 +28,7 @@ class Delivery(Enum):
 
     EVERY_MESSAGE = "every message arrives, in order; the lockstep rests on it"
     EVERY_IMAGE = "likewise, but few are kept: they are large"
+    BESIDE_IMAGE = "as many are kept as images, and the last few also reach those who come later"
     NEWEST = "the newest few messages; losing an old one does no harm"
     LATCHED = "the last message also reaches those who come later"
 
@@ -116,7 +117,10 @@ GOALS = Channel("/mission/goals", "geometry_msgs/msg/PoseArray", Party.MISSION, 
 CAMERA_IMAGE = Channel(
     "/world/camera/image_raw", "sensor_msgs/msg/Image", Party.WORLD, Party.MISSION, Delivery.EVERY_IMAGE
 )
-CAMERA_INFO = Channel("/world/camera/camera_info", "sensor_msgs/msg/CameraInfo", Party.WORLD, Party.MISSION, _LATCHED)
+CAMERA_INFO = Channel(
+    "/world/camera/camera_info", "sensor_msgs/msg/CameraInfo", Party.WORLD, Party.MISSION, Delivery.BESIDE_IMAGE
+)
+"""One with each image, of the same stamp and frame, as tools of ROS expect it."""
 CAMERA_VIEW = Channel("/mission/camera/annotated", "sensor_msgs/msg/Image", Party.MISSION, Party.VIEWERS, _NEWEST)
 MARKERS = Channel("/viz/markers", "visualization_msgs/msg/MarkerArray", Party.MISSION, Party.VIEWERS, _LATCHED)
 

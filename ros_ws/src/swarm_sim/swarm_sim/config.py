@@ -209,10 +209,18 @@ class CameraConfig(Config):
     elevation_m: float = setting(2.4, "height above the floor", unit="m", minimum=0.5, maximum=10.0)
     view_m: float = setting(2.3, "height of the image on the floor, without distortion", unit="m", above=0.0)
     mount_sigma_m: float = setting(
-        0.03, "standard deviation of where it is mounted, per axis; drawn once per run", unit="m", minimum=0.0
+        0.03,
+        "standard deviation of where it is mounted, per axis; drawn once per run",
+        unit="m",
+        minimum=0.0,
+        maximum=0.3,
     )
     aim_sigma_m: float = setting(
-        0.008, "standard deviation of the point of the floor that it is aimed at, per axis", unit="m", minimum=0.0
+        0.008,
+        "standard deviation of the point of the floor that it is aimed at, per axis",
+        unit="m",
+        minimum=0.0,
+        maximum=0.3,
     )
     roll_sigma_rad: float = setting(
         0.005, "standard deviation of how it is turned about its view", unit="rad", minimum=0.0, maximum=0.2
@@ -233,7 +241,13 @@ class CameraConfig(Config):
     tint_sigma: float = setting(
         0.03, "standard deviation of the gain of each color channel; drawn once per run", minimum=0.0, maximum=0.2
     )
-    noise_codes: float = setting(2.5, "standard deviation of a pixel's noise", unit="codes of 255", minimum=0.0)
+    noise_codes: float = setting(
+        2.5,
+        "standard deviation of a pixel's noise; from 10 on discs are missed",
+        unit="codes of 255",
+        minimum=0.0,
+        maximum=10.0,
+    )
     off_from_s: float = setting(0.0, "when the camera fails", unit="s", minimum=0.0)
     off_for_s: float = setting(0.0, "for how long; 0: it does not fail", unit="s", minimum=0.0)
     black_from_s: float = setting(0.0, "when the left half of the image turns black", unit="s", minimum=0.0)

@@ -22,6 +22,7 @@ from swarm_msgs_py import topics
 from swarm_msgs_py.config import Config, setting
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.frames import Batch, pack_batch
+from swarm_msgs_py.markers import CoverMarker, MarkerColor
 from swarm_msgs_py.messages.bodies import Plan
 from swarm_msgs_py.messages.camera import CameraImage, ImageArray
 from swarm_msgs_py.networking.config import NetworkConfig
@@ -33,7 +34,7 @@ from swarm_msgs_py.ros.spin import run_node
 from swarm_msgs_py.roster import Roster
 from swarm_msgs_py.step_io import MissionInputs, MissionOutputs
 from swarm_msgs_py.topics import Parts
-from swarm_msgs_py.types import MISSION, FloatArray
+from swarm_msgs_py.types import MISSION, FloatArray, NodeId
 
 _log = logging.getLogger(__name__)
 
@@ -71,18 +72,44 @@ class MissionIdentity(Config):
     )
     counts: tuple[int, ...] = setting((3,), "number of robots of each type (table 4.1)", minimum=0, maximum=1000)
     period_s: float = setting(0.5, "control period", unit="s", minimum=0.05, maximum=1.0)
+    colors: str = setting("", "colors of the robots' covers in their order, e.g. red,blue; none: there is no camera")
+    cover_radii_m: tuple[float, ...] = setting(
+        (0.16, 0.11, 0.11, 0.08, 0.08), "radii of those covers (table 5.1)", unit="m", above=0.0, maximum=10.0
+    )
 
     def __post_init__(self) -> None:
-        """Check that every count has its type.
+        """Check that every count has its type, and every robot under a camera its cover.
 
         Raises
         ------
         ConfigError
-            If there are more counts than types.
+            If there are more counts than types, or covers do not fit the robots.
         """
         Config.__post_init__(self)
         if len(self.counts) > len(THESIS_TYPES):
             raise ConfigError(f"counts must name at most {len(THESIS_TYPES)} types, got {len(self.counts)}")
+        if self.colors and not len(self._names) == len(self.cover_radii_m) == sum(self.counts):
+            raise ConfigError(
+                f"colors and cover_radii_m must name one cover for each of the {sum(self.counts)} robots of counts, "
+                f"got {len(self._names)} colors and {len(self.cover_radii_m)} radii"
+            )
+        known = [color.value for color in MarkerColor]
+        for number, name in enumerate(self._names):
+            if name not in known or name in self._names[:number]:
+                raise ConfigError(f"colors: '{name}' is not one of {', '.join(known)}, or named twice")
+
+    @property
+    def _names(self) -> list[str]:
+        return [name.strip() for name in self.colors.split(",")] if self.colors else []
+
+    @property
+    def covers(self) -> tuple[CoverMarker, ...]:
+        """Return by what an overhead camera knows each robot; none if there is no camera."""
+        worn = zip(self._names, self.cover_radii_m, strict=False)
+        return tuple(
+            CoverMarker(robot=NodeId(robot), color=MarkerColor(name), radius=radius)
+            for robot, (name, radius) in enumerate(worn)
+        )
 
 
 class MissionNode(Node):
@@ -182,7 +209,7 @@ def _from_parameters(context: Context) -> MissionNode:
     roster = Roster.of(kind for kind, count in zip(THESIS_TYPES, identity.counts, strict=False) for _ in range(count))
     placement = Placement(area=None if is_drawing(identity.shape) else identity.room_m2 * roster.size or None)
     shape = placed_shape(identity.shape, with_room(identity.shape, placement, roster, config.partition))
-    mission = Mission(config, network, roster, (), shape, identity.period_s)
+    mission = Mission(config, network, roster, (), shape, identity.period_s, markers=identity.covers)
     node = MissionNode(mission, identity.period_s, context=context)
     for settings in (identity, config, network):
         parameters.declare_config(node, settings)

@@ -163,8 +163,8 @@ def find_marks(pixels: ImageArray) -> FloatArray | None:
     chosen = candidates[apart.argmin(axis=1)]
     if len(set(chosen.tolist())) < 4 or area[chosen].max() > MARK_SPREAD * area[chosen].min():
         return None
-    light, parts = light_of(np.asarray(gray, dtype=np.uint8)), np.asarray(labels, dtype=np.int32)
-    return np.stack([_middle(light, parts, row, stats[row]) for row in chosen.tolist()])
+    codes, parts = np.asarray(gray, dtype=np.uint8), np.asarray(labels, dtype=np.int32)
+    return np.stack([_middle(codes, parts, row, stats[row]) for row in chosen.tolist()])
 
 
 def _margin(rows: int) -> int:
@@ -201,15 +201,14 @@ def _floats(array: object) -> FloatArray:
     return np.asarray(array, dtype=np.float64)
 
 
-def _middle(image: NDArray[np.float32], labels: NDArray[np.int32], mark: int, stats: NDArray[np.int32]) -> FloatArray:
+def _middle(gray: NDArray[np.uint8], labels: NDArray[np.int32], mark: int, stats: NDArray[np.int32]) -> FloatArray:
     """Return the middle (2,) of a dark disc on a light floor: centroid of the light that it takes away [pixels].
 
     A robot's black cover may stand right beside the mark; the light that it takes away does not count.
 
     Parameters
     ----------
-    image : (h, w) array
-        Linear light, 0 to 1.
+    gray : (h, w) uint8 array
     labels : (h, w) array
         Which dark part a pixel belongs to; 0 is the floor.
     mark : int
@@ -218,9 +217,9 @@ def _middle(image: NDArray[np.float32], labels: NDArray[np.int32], mark: int, st
         Left, top, width, height and area of the disc [pixels].
     """
     left, top, wide, high = stats[:4].tolist()
-    margin = _margin(len(image))
+    margin = _margin(len(gray))
     rows, columns = np.mgrid[top - margin : top + high + margin, left - margin : left + wide + margin]
-    light = image[rows, columns]
+    light = light_of(gray[rows, columns])
     rim = np.concatenate([light[0], light[-1], light[:, 0], light[:, -1]])
     floor, core = float(np.median(rim)), float(np.percentile(light, 5.0))
     taken = np.clip((floor - light) / (floor - core), 0.0, 1.0)

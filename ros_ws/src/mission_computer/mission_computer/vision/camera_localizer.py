@@ -9,7 +9,7 @@ import numpy as np
 from mission_computer.vision.calibration import Calibration, PlaneMap, calibrate, find_marks, plane_maps
 from mission_computer.vision.colors import ColorClassifier
 from mission_computer.vision.config import VisionConfig
-from mission_computer.vision.covers import find_cover
+from mission_computer.vision.covers import Whereabouts, find_cover
 from mission_computer.vision.discs import Disc, measure
 from mission_computer.vision.tracks import Tracks
 from swarm_msgs_py.errors import ConfigError
@@ -146,8 +146,9 @@ class CameraLocalizer:
         strays: list[Stray] = []
         for marker in self._markers:
             of_color, robot = discs[marker.color], marker.robot
-            track, near = self._tracks.track(robot, time), self._tracks.near(robot, time)
-            match = find_cover(marker, of_color, track, near, self._config)
+            tracks = self._tracks
+            known = Whereabouts(tracks.track(robot, time), tracks.near(robot, time), tracks.left(robot))
+            match = find_cover(marker, of_color, self._config, known)
             result, own = match.result, match.own
             if isinstance(result, Refusal):
                 self._tracks.miss(robot)

@@ -44,8 +44,32 @@ class _Pair:
     quality: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Whereabouts:
+    """What is known of where a robot may be, None for what is not.
+
+    Attributes
+    ----------
+    track : Track or None
+        Where it may be now.
+    near : Track or None
+        Where it may be if it stopped when it was seen last: what is elsewhere is not on its cover.
+    left : Track or None
+        From where it seems to have been carried. If a cover shows there and another one does elsewhere, one of them is
+        a look-alike, and nobody knows which.
+    """
+
+    track: Track | None = None
+    near: Track | None = None
+    left: Track | None = None
+
+
+NOWHERE = Whereabouts()
+"""Nothing is known."""
+
+
 def find_cover(
-    marker: CoverMarker, discs: Sequence[Disc], track: Track | None, near: Track | None, config: VisionConfig
+    marker: CoverMarker, discs: Sequence[Disc], config: VisionConfig, whereabouts: Whereabouts = NOWHERE
 ) -> Match:
     """Return where a robot is and the discs that tell it, or why that is not known.
 
@@ -54,11 +78,9 @@ def find_cover(
     marker : CoverMarker
     discs : sequence of Disc
         Everything of its color.
-    track : Track or None
-        Where it may be, to decide between several covers that fit. A single one is returned wherever it is.
-    near : Track or None
-        Where it may be if it has stopped: what is elsewhere is not its own.
     config : VisionConfig
+    whereabouts : Whereabouts
+        Decides between several covers that fit. A single one is returned wherever it is.
     """
     large = [(disc, rest) for disc in discs if (rest := _slack(marker, disc, marker.large_radius, config)) > 0.0]
     small = [(disc, rest) for disc in discs if (rest := _slack(marker, disc, marker.small_radius, config)) > 0.0]
@@ -69,9 +91,9 @@ def find_cover(
         if (rest := _baseline_slack(one, other, marker, config)) > 0.0
     ]
     if not pairs:
-        own = tuple(disc for disc in discs if _may_be_on(marker, disc, near, config))
+        own = tuple(disc for disc in discs if _may_be_on(marker, disc, whereabouts.near, config))
         return Match(_why_none(marker, own, config), own)
-    pair = _best(pairs, marker, track)
+    pair = _best(pairs, marker, whereabouts)
     if pair is None:
         return Match(Refusal.AMBIGUOUS, tuple(disc for pair in pairs for disc in (pair.large, pair.small)))
     return Match(_fix(marker, pair, config), (pair.large, pair.small))
@@ -109,10 +131,13 @@ def _baseline_slack(large: Disc, small: Disc, marker: CoverMarker, config: Visio
     return 1.0 - abs(apart - marker.baseline) / config.baseline_tolerance_m
 
 
-def _best(pairs: Sequence[_Pair], marker: CoverMarker, track: Track | None) -> _Pair | None:
+def _best(pairs: Sequence[_Pair], marker: CoverMarker, whereabouts: Whereabouts) -> _Pair | None:
     """Return the pair that is the robot, None if that is not clear."""
-    if track is not None and len(pairs) > 1:
-        near = [pair for pair in pairs if np.hypot(*(_middle(marker, pair) - track.position)) <= track.reach]
+    left, track = whereabouts.left, whereabouts.track
+    if left is not None and len({left.may_be_at(_middle(marker, pair)) for pair in pairs}) > 1:
+        return None
+    if track is not None:
+        near = [pair for pair in pairs if track.may_be_at(_middle(marker, pair))]
         pairs = near or pairs
     ranked = sorted(pairs, key=lambda pair: -pair.quality)
     if len(ranked) > 1 and ranked[0].quality - ranked[1].quality < CLEARLY_BETTER:

@@ -58,6 +58,7 @@ class Tracks:
     config: VisionConfig
     _last: dict[NodeId, _Seen] = field(default_factory=dict, init=False)
     _claims: dict[NodeId, _Seen] = field(default_factory=dict, init=False)
+    _left: dict[NodeId, _Seen] = field(default_factory=dict, init=False)
 
     def track(self, robot: NodeId, time: float) -> Track | None:
         """Return where a robot may be at `time` [s]; None if it was never seen."""
@@ -68,12 +69,17 @@ class Tracks:
         seen = self._last.get(robot)
         return None if seen is None else self._from(seen, min(time, seen.time + STOPS_WITHIN_S))
 
+    def left(self, robot: NodeId) -> Track | None:
+        """Return where a robot was before somebody carried it, as it seemed; None if nobody did."""
+        seen = self._left.get(robot)
+        return None if seen is None else self._from(seen, seen.time + STOPS_WITHIN_S)
+
     def believes(self, robot: NodeId, position: FloatArray, time: float) -> bool:
         """Take a place (2,) [m] at which a robot shows; return whether it is there.
 
         It is if it can have driven there, or goes on to show there, give or take what it can drive.
         """
-        track = self.track(robot, time)
+        track, left = self.track(robot, time), self.left(robot)
         if track is not None and not track.may_be_at(position):
             claim = self._claims.get(robot)
             goes_on = self._from(claim, time)
@@ -82,6 +88,9 @@ class Tracks:
             if images < self.config.moved_images:
                 self._claims[robot] = _Seen(position, time, images)
                 return False
+            self._left[robot] = self._last[robot]
+        elif left is not None and left.may_be_at(position):
+            del self._left[robot]  # it has driven back
         self._last[robot] = _Seen(position, time)
         self._claims.pop(robot, None)
         return True
@@ -94,6 +103,7 @@ class Tracks:
         """Forget all places; what they were measured with has changed."""
         self._last.clear()
         self._claims.clear()
+        self._left.clear()
 
     def _from(self, seen: _Seen | None, time: float) -> Track | None:
         if seen is None or seen.time > time:

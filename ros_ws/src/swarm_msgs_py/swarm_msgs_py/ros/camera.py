@@ -1,7 +1,7 @@
 """Images and what is known of the camera that took them, to and from their messages.
 
 An image is nearly a megabyte, ten times a second: it is packed and read as bytes, without a message object in between
-(see `cdr`). What the maker says of the camera is told once, by an ordinary message.
+(see `cdr`). What the maker says of the camera is an ordinary message beside each.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from sensor_msgs.msg import CameraInfo as CameraInfoMessage
 from std_msgs.msg import Header
 
@@ -66,9 +67,9 @@ def decode_image(data: bytes) -> CameraImage:
     return CameraImage(time, pixels)
 
 
-def info_message(info: CameraInfo) -> CameraInfoMessage:
-    """Return a ``sensor_msgs/CameraInfo``."""
-    message = CameraInfoMessage(header=Header(frame_id=CAMERA_FRAME), height=info.height, width=info.width)
+def info_message(info: CameraInfo, stamp: Time) -> CameraInfoMessage:
+    """Return a ``sensor_msgs/CameraInfo`` of the image with this stamp."""
+    message = CameraInfoMessage(header=Header(stamp=stamp, frame_id=CAMERA_FRAME), height=info.height, width=info.width)
     message.distortion_model = MODEL
     message.d = info.distortion.tolist()
     message.k = info.intrinsics.ravel()

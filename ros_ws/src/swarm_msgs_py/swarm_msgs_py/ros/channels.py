@@ -52,6 +52,12 @@ _PROFILES = {
     Delivery.EVERY_IMAGE: QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE, history=HistoryPolicy.KEEP_LAST, depth=IMAGE_DEPTH
     ),
+    Delivery.BESIDE_IMAGE: QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        history=HistoryPolicy.KEEP_LAST,
+        depth=IMAGE_DEPTH,
+    ),
     Delivery.NEWEST: QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE, history=HistoryPolicy.KEEP_LAST, depth=VIEWER_DEPTH
     ),

@@ -51,7 +51,8 @@ def illumination(config: CameraConfig, rng: np.random.Generator) -> LightArray:
     y = ((np.arange(config.height_px) - (config.height_px - 1) / 2.0) / half)[:, None]
     side = rng.uniform(0.0, 2.0 * np.pi)
     slope = 1.0 + config.light_gradient * (np.cos(side) * x + np.sin(side) * y)
-    corner = 1.0 - config.vignette * (x**2 + y**2) / (1.0 + (config.height_px / config.width_px) ** 2)
+    wide, high = (size / max(config.width_px, config.height_px) for size in (config.width_px, config.height_px))
+    corner = 1.0 - config.vignette * (x**2 + y**2) / (wide**2 + high**2)
     tint = 1.0 + config.tint_sigma * rng.normal(size=3)
     light = np.maximum(slope * corner, 0.0)[:, :, None] * tint
     shining: LightArray = light.astype(np.float32)

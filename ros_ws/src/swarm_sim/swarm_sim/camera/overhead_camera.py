@@ -12,7 +12,7 @@ from swarm_msgs_py.messages.camera import CameraImage, CameraInfo, ImageArray
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 from swarm_sim.camera.exposure import LightArray, digitize, illumination
-from swarm_sim.camera.optics import make_optics, stated_info
+from swarm_sim.camera.optics import Optics, make_optics, stated_info
 from swarm_sim.camera.raster import Raster, Spot
 from swarm_sim.config import CameraConfig, Renderer
 
@@ -60,7 +60,7 @@ class OverheadCamera:
         renderer: Renderer = Renderer.RASTER,
     ) -> None:
         self._config, self._seed = config, seed
-        self.optics = make_optics(config, rng_for(seed, "camera mount"))
+        self.optics = mounted_optics(config, seed)
         self._info = stated_info(self.optics.info, config.info_sigma, rng_for(seed, "camera maker"))
         light = illumination(config, rng_for(seed, "camera light"))
         self._painter = self._make_painter(renderer, markers, marks, light)
@@ -120,6 +120,11 @@ class OverheadCamera:
     def close(self) -> None:
         """Free what the renderer holds; may be called again."""
         self._painter.close()
+
+
+def mounted_optics(config: CameraConfig, seed: int) -> Optics:
+    """Return the camera of a run at its place."""
+    return make_optics(config, rng_for(seed, "camera mount"))
 
 
 def blacken_half(pixels: ImageArray) -> None:

@@ -8,6 +8,8 @@ speed to all three.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from swarm_msgs_py.types import FloatArray
@@ -17,6 +19,8 @@ WHEEL_TANGENTS = np.deg2rad([150.0, 30.0, 270.0])
 """Directions in which wheels A, B and C roll, clockwise from the front [rad]."""
 WHEEL_BEARINGS = np.deg2rad([60.0, 300.0, 180.0])
 """Where they are mounted, clockwise from the front [rad]."""
+WHOLE = 1e-9
+"""What a multiple may lack of a whole number by rounding."""
 
 
 def mixing_matrices(levers: FloatArray) -> FloatArray:
@@ -57,6 +61,8 @@ def apply(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
 class StepMotors:
     """The step motors of all robots: rates in whole multiples of a resolution, bounded, reached by a ramp.
 
+    What is commanded to a motor is a whole multiple, and so is its bound; its ramp to there is continuous.
+
     Parameters
     ----------
     config : OmniConfig
@@ -69,7 +75,8 @@ class StepMotors:
     def __init__(self, config: OmniConfig, levers: FloatArray, step_s: float) -> None:
         self._mixing = mixing_matrices(levers)
         self._rim_per_step = 2.0 * np.pi * config.wheel_radius_m / config.steps_per_turn
-        self._resolution, self._rate_max = config.rate_resolution_hz, config.rate_max_hz
+        self._resolution = config.rate_resolution_hz
+        self._rate_max = math.floor(config.rate_max_hz / self._resolution + WHOLE) * self._resolution
         self._ramp = config.rate_ramp_hzps * step_s
         self.rates: FloatArray = np.zeros((len(levers), 3))
         """Steps per second of every motor now, clockwise positive."""

@@ -3,33 +3,47 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from swarm_msgs_py.messages.camera_report import CameraReport, CameraStatus
-from swarm_msgs_py.types import FloatArray, NodeId
+from swarm_msgs_py.types import BoolArray, FloatArray, NodeId
 
-FALSE_M = 0.05
-"""A fix that is farther than this from its robot is not of this robot [m]."""
-DEAD_SHARE_MAX = 0.1
-"""Of an image that shows less than the rest, who is not found was not in view."""
+FALSE_M = 0.03
+"""A fix that is farther than this from its robot [m] is of something else; less than half of the smallest cover."""
+
+View = Callable[[float, FloatArray], BoolArray]
+"""Says whom (n,) an image shows that is taken at a time [s] of robots at positions (n, 2) [m]."""
+
+
+def everybody(time: float, positions: FloatArray) -> BoolArray:  # noqa: ARG001 - one of several views
+    """Return that all robots (n,) are in view."""
+    return np.ones(len(positions), dtype=bool)
 
 
 class CameraScores:
     """Compares the fixes of a run with the truth, image by image.
 
+    Parameters
+    ----------
+    view : View
+        Tells from the truth whom images show. What was read out of them has no say in that: a robot in an image that
+        was refused as a whole was not found.
+
     Attributes
     ----------
-    images : int
-        Taken.
+    images, unread : int
+        Taken, and how many of them were refused as a whole.
     in_view, found : int
-        Robots that images showed, which are all in those that are whole; and how many of them had a true fix.
+        Robots that images showed, and how many of them had a true fix.
     false_fixes : int
         Fixes that are nowhere near the robot that they name.
     """
 
-    def __init__(self) -> None:
-        self.images = self.in_view = self.found = self.false_fixes = 0
+    def __init__(self, view: View = everybody) -> None:
+        self._view = view
+        self.images = self.unread = self.in_view = self.found = self.false_fixes = 0
         self._positions: list[float] = []
         self._headings: list[float] = []
 
@@ -57,15 +71,16 @@ class CameraScores:
             Likewise [rad].
         """
         self.images += 1
-        is_whole = report.status is CameraStatus.OK and report.dead_share < DEAD_SHARE_MAX
-        self.in_view += len(row_of) * is_whole
+        self.unread += report.status is not CameraStatus.OK
+        shown = self._view(report.time, positions)
+        self.in_view += int(shown.sum())
         for fix in report.fixes:
             row = row_of[fix.robot]
             error = math.hypot(*(fix.position - positions[row]).tolist())
             if error > FALSE_M:
                 self.false_fixes += 1
                 continue
-            self.found += is_whole
+            self.found += int(shown[row])
             self._positions.append(error)
             self._headings.append(math.remainder(fix.yaw - float(yaws[row]), math.tau))
 

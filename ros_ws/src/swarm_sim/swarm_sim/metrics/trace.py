@@ -10,7 +10,7 @@ import numpy as np
 from swarm_msgs_py.messages.camera_report import CameraReport
 from swarm_msgs_py.messages.report import AgentReport
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
-from swarm_sim.metrics.camera import CameraScores
+from swarm_sim.metrics.camera import CameraScores, View, everybody
 from swarm_sim.metrics.totals import RunTotals, run_totals
 from swarm_sim.simulation import TickTruth
 
@@ -85,6 +85,8 @@ class TraceRecorder:
         Ascending, in the order of the truth's rows.
     period_s : float
         Duration of a tick [s].
+    view : View
+        Whom the images of an overhead camera show.
 
     Attributes
     ----------
@@ -92,11 +94,11 @@ class TraceRecorder:
         How right the overhead camera was, where there is one.
     """
 
-    def __init__(self, robots: Sequence[NodeId], period_s: float) -> None:
+    def __init__(self, robots: Sequence[NodeId], period_s: float, view: View = everybody) -> None:
         self._robots = tuple(robots)
         self._row_of = {robot: row for row, robot in enumerate(self._robots)}
         self._period = period_s
-        self.camera = CameraScores()
+        self.camera = CameraScores(view)
         self._truths: list[TickTruth] = []
         self._estimates: list[FloatArray] = []
         self._covariances: list[FloatArray] = []

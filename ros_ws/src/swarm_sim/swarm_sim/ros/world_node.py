@@ -105,7 +105,6 @@ class WorldNode(Node):
         if simulation.camera_info is not None:
             self._images = channels.publisher(self, topics.CAMERA_IMAGE)
             self._camera_info = channels.publisher(self, topics.CAMERA_INFO)
-            self._camera_info.publish(camera.info_message(simulation.camera_info))
         for robot in simulation.robots:
             self._listen(topics.CMD_VEL, dialect.decode_command, self._take_command, robot)
         for node in (*simulation.robots, MISSION):
@@ -190,7 +189,8 @@ class WorldNode(Node):
     def _publish_to_mission(self, inputs: MissionInputs) -> None:
         parts = Parts.NONE if inputs.image is None else Parts.IMAGE
         self._mission_rx.publish(convert.encode_batch(pack_batch(inputs.tick, parts, inputs.inbox)))
-        if inputs.image is not None and self._images is not None:
+        if inputs.image is not None and inputs.camera is not None and self._images is not None:
+            self._camera_info.publish(camera.info_message(inputs.camera, views.time_message(inputs.image.time)))
             self._images.publish(camera.encode_image(inputs.image))
 
     def _publish_senses(self, robot: NodeId, stamp: bytes, inputs: Any) -> None:
