@@ -14,6 +14,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from documented_commands import LAUNCHER, documents, inline_spans, shell_commands
+from orders import order_cli
 from source_tree import PACKAGES, ROOT, SRC, Module, imported_packages, is_ros, modules_of, script_modules
 
 from batches import arguments as batch_arguments
@@ -131,7 +133,7 @@ def test_every_run_time_distribution_stands_in_the_licence_table() -> None:
 
 def test_every_make_target_in_the_documents_exists() -> None:
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
-    named = {words[1] for words in document_commands() if words[0] == "make" and len(words) > 1}
+    named = {words[1] for words in shell_commands() if words[0] == "make" and len(words) > 1}
 
     assert named
     assert named <= targets
@@ -142,7 +144,7 @@ def test_every_command_in_the_documents_would_be_taken(monkeypatch: pytest.Monke
     monkeypatch.setattr(FormationKind, "methods", methods)
     monkeypatch.setattr(shape_cli, "METHODS", methods)
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    commands = [found for words in [*document_commands(), *inline_commands()] if (found := script_command(words))]
+    commands = [found for words in [*shell_commands(), *inline_commands()] if (found := script_command(words))]
 
     for script, words in commands:
         take(script, words, monkeypatch)
@@ -197,28 +199,9 @@ def test_links_between_documents_lead_somewhere() -> None:
     assert broken == []
 
 
-def documents() -> list[Path]:
-    """Return the Markdown files that people read."""
-    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *SRC.glob("*/README.md")])
-
-
-SHELL_BLOCK = re.compile(r"^```(?:bash|sh|console)\n(.*?)^```", re.DOTALL | re.MULTILINE)
-ANY_BLOCK = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
-LAUNCHER = "scripts/launch_swarm.py"
-
-
-def document_commands() -> list[list[str]]:
-    """Return the commands in the documents' shell blocks, as words."""
-    blocks = [block for path in documents() for block in SHELL_BLOCK.findall(path.read_text("utf-8"))]
-    lines = [line for block in blocks for line in block.replace("\\\n", " ").splitlines()]
-    return [words for line in lines if (words := shlex.split(line, comments=True))]
-
-
 def inline_commands() -> list[list[str]]:
     """Return the Python commands and the settings that stand between backticks in running text, as words."""
-    texts = [ANY_BLOCK.sub("", path.read_text("utf-8")) for path in documents()]
-    spans = [span for text in texts for span in re.findall(r"`([^`]+)`", text)]
-    return [shlex.split(span) for span in spans if ".py " in f"{span} " or span.startswith("--set ")]
+    return [shlex.split(span) for span in inline_spans() if ".py " in f"{span} " or span.startswith("--set ")]
 
 
 def script_command(words: Sequence[str]) -> tuple[str, list[str]] | None:
@@ -254,6 +237,8 @@ def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None
         plot_cli.parse_arguments(words or ["RUN"])
     elif script == "scripts/replay.py":
         replay_cli.parse_arguments(words or ["RUN"])
+    elif script == "scripts/order.py":
+        order_cli.parse_arguments(words or ["pause"])
     elif script == "scripts/shape.py":
         shape_cli.parse_arguments([word for word in words if word != "--help"])
     elif script == "scripts/coverage_study.py":

@@ -153,6 +153,7 @@ def _draw_side(axes: Axes, record: RunRecord, edge: int) -> None:
     _label(axes, "from the side", "z [m]")
     if not record.ticks:
         return
+    scene.draw_surface(axes, record, edge, plane)
     scene.draw_trajectories(axes, record, plane)
     scene.RobotMarks(axes, record, plane).put(edge)
     scene.frame_arena(axes, record, plane)
@@ -165,6 +166,7 @@ def _draw_swarm(axes: Axes, record: RunRecord, edge: int) -> bool:
         scene.draw_shape(axes, contour)
     has_earlier = scene.draw_earlier_shapes(axes, record)
     if record.ticks:
+        scene.draw_surface(axes, record, edge)
         scene.draw_trajectories(axes, record)
         scene.RobotMarks(axes, record).put(edge)
     return has_earlier

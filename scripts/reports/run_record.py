@@ -156,6 +156,15 @@ class RunRecord:
             return PointSets(np.empty(0, dtype=np.int64), ())
         return PointSets(self.arrays[f"{name}_tick"], tuple(self._split(f"{name}_sizes", f"{name}_points")))
 
+    def surface_at(self, edge: int) -> FloatArray:
+        """Return points on the solid that is to be covered, where it is at one of the `edge_times`, (k, 3) [m]."""
+        if not self.has("surfaces", "surface_shift"):
+            points: FloatArray = self.arrays.get("surface_points", np.empty((0, 3)))
+            return points
+        number = int(np.searchsorted(self.arrays["surface_tick"], edge, side="right")) - 1
+        moved: FloatArray = self.arrays["surfaces"][max(number, 0)] + self.edge_states("surface_shift")[edge]
+        return moved
+
     def paths(self) -> Mapping[int, PointSets]:
         """Return the way-points of each robot over time."""
         if "path_tick" not in self.arrays:

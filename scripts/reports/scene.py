@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
@@ -19,6 +19,7 @@ from swarm_msgs_py.types import BoolArray, FloatArray
 LINE_SPACING_M = 0.05  # points of a drawn trajectory are at least this far apart
 FRAME_MIN_M = 1.0  # least size of what a panel is about
 FRAME_MARGIN = 0.08  # free rim around what a panel is about, as a share of its size
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # corners of a cell of unit size
 SMALL = 7.5  # font size of ticks and legend
 
 
@@ -29,7 +30,12 @@ def color_of(record: RunRecord) -> dict[int, str]:
 
 
 def draw_ground(axes: Axes, record: RunRecord) -> None:
-    """Draw the obstacles, which never move."""
+    """Draw what never moves: obstacles, and the cells of a structure that is to be built."""
+    if record.has("cell_size", "target_cells"):
+        cells = record.arrays["target_cells"][:, None] + float(record.arrays["cell_size"]) * (SQUARE - 0.5)
+        axes.add_collection(
+            PolyCollection(list(cells), facecolors=SHAPE_FILL, edgecolors=SHAPE_EDGE, linewidths=0.8, zorder=1)
+        )
     for corners in record.obstacles():
         axes.add_patch(Polygon(corners, closed=True, facecolor=WALL_FILL, edgecolor=WALL_EDGE, hatch="////", zorder=2))
 
@@ -62,6 +68,13 @@ def draw_trajectories(axes: Axes, record: RunRecord, plane: Sequence[int] = (0, 
     axes.scatter(positions[0, :, 0], positions[0, :, 1], s=12, c=line_colors, linewidths=0, zorder=4)
 
 
+def draw_surface(axes: Axes, record: RunRecord, edge: int, plane: Sequence[int] = (0, 1)) -> Line2D:
+    """Draw points on the solid that is to be covered, where it is at one of the run's edge times."""
+    points = record.surface_at(edge)[:, list(plane)]
+    (marks,) = axes.plot(*points.T, ".", color=SHAPE_EDGE, markersize=1.0, alpha=0.4, zorder=1)
+    return marks
+
+
 class RobotMarks:
     """The robots of a run, movable from one time to another.
 
@@ -75,36 +88,36 @@ class RobotMarks:
 
     def __init__(self, axes: Axes, record: RunRecord, plane: Sequence[int] = (0, 1)) -> None:
         self._record, self._plane = record, list(plane)
-        sizes = 2.0 * record.radii
         colors = color_of(record)
         self._colors = [colors[kind] for kind in _types(record)]
-        flat = np.zeros(len(sizes))
-        self._circles = EllipseCollection(
-            sizes,
-            sizes,
-            flat,
-            units="xy",
-            offsets=np.zeros((len(sizes), 2)),
-            offset_transform=axes.transData,
-            linewidths=0.3,
-            edgecolors="black",
-            zorder=5,
-        )
-        axes.add_collection(self._circles)
+        self._bodies = _squares(record) if record.has("cell_size") else _circles(axes, record)
+        axes.add_collection(self._bodies)
         (self._dead,) = axes.plot([], [], "x", color=DEAD, markersize=7, markeredgewidth=1.8, zorder=7)
 
     def put(self, edge: int) -> Sequence[Artist]:
         """Put the robots where they are at one of the run's edge times; return what changed."""
         positions = self._record.edge_positions[edge][:, self._plane]
         alive = self._alive(edge)
-        self._circles.set_offsets(positions)
+        if isinstance(self._bodies, PolyCollection):
+            self._bodies.set_verts(list(self._corners(edge, positions)))
+        else:
+            self._bodies.set_offsets(positions)
         faces = [color if lives else DEAD_FILL for color, lives in zip(self._colors, alive, strict=True)]
-        self._circles.set_facecolor(faces)
+        self._bodies.set_facecolor(faces)
         lost = self._lost(edge)
-        self._circles.set_edgecolor([LOST if is_lost else "black" for is_lost in lost])
-        self._circles.set_linewidth([1.8 if is_lost else 0.3 for is_lost in lost])
+        self._bodies.set_edgecolor([LOST if is_lost else "black" for is_lost in lost])
+        self._bodies.set_linewidth([1.8 if is_lost else 0.3 for is_lost in lost])
         self._dead.set_data(*positions[~alive].T)
-        return self._circles, self._dead
+        return self._bodies, self._dead
+
+    def _corners(self, edge: int, positions: FloatArray) -> FloatArray:
+        """Return the corners of robots that are squares, (n, 4, 2) [m]."""
+        yaws = self._record.edge_states("yaw")[edge] if self._record.has("yaw") else np.zeros(len(positions))
+        cos, sin = np.cos(yaws), np.sin(yaws)
+        turns = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)
+        square = 2.0 * self._record.radii[:, None, None] * (SQUARE - 0.5)
+        corners: FloatArray = positions[:, None] + square @ turns.transpose(0, 2, 1)
+        return corners
 
     def _alive(self, edge: int) -> BoolArray:
         alive: BoolArray = self._record.edge_states("alive")[edge]
@@ -115,6 +128,25 @@ class RobotMarks:
             return np.zeros(len(self._colors), dtype=bool)
         lost: BoolArray = self._record.edge_states("positioning")[edge] >= Positioning.LOST
         return lost & self._alive(edge)
+
+
+def _circles(axes: Axes, record: RunRecord) -> EllipseCollection:
+    sizes = 2.0 * record.radii
+    return EllipseCollection(
+        sizes,
+        sizes,
+        np.zeros(len(sizes)),
+        units="xy",
+        offsets=np.zeros((len(sizes), 2)),
+        offset_transform=axes.transData,
+        linewidths=0.3,
+        edgecolors="black",
+        zorder=5,
+    )
+
+
+def _squares(record: RunRecord) -> PolyCollection:
+    return PolyCollection(list(np.zeros((len(record.radii), 4, 2))), linewidths=0.3, edgecolors="black", zorder=5)
 
 
 class GoalMarks:
@@ -136,6 +168,12 @@ def frame_arena(axes: Axes, record: RunRecord, plane: Sequence[int] = (0, 1)) ->
     corners = [positions.reshape(-1, 2)]
     if "bounds" in record.arrays and tuple(plane) == (0, 1):
         corners.append(record.arrays["bounds"].reshape(2, 2))
+    if record.arrays["position"].shape[-1] > 2:  # panels of one size, which also show the solid
+        space = np.concatenate([record.arrays["position"].reshape(-1, 3), record.surface_at(record.ticks)])
+        low, high = space.min(axis=0), space.max(axis=0)
+        half = 0.5 * float((high - low).max())
+        middle = 0.5 * (low + high)[list(plane)]
+        corners += [middle[None] - half, middle[None] + half]
     points = np.concatenate(corners)
     rim = float(record.radii.max())
     low, high = points.min(axis=0) - rim, points.max(axis=0) + rim
@@ -171,13 +209,27 @@ def legend_handles(record: RunRecord, *, has_earlier_shapes: bool = False) -> li
     for number, color in color_of(record).items():
         size = f" (r = {radii[types == number][0]:g} m)" if "coverage_radius" in record.arrays else ""
         label = f"type {number}{size}" if "robot_type" in record.arrays else f"robot{size}"
-        handles.append(Line2D([], [], color=color, marker="o", linewidth=0.8, markersize=7, label=label))
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color=color,
+                marker="s" if record.has("cell_size") else "o",
+                linewidth=0.8,
+                markersize=7,
+                label=label,
+            )
+        )
     handles.append(Line2D([], [], color="black", marker=".", linestyle="", markersize=4, label="start"))
     if record.has("goals_points"):
         handles.append(Line2D([], [], color="black", marker="+", linestyle="", markersize=6, label="goal"))
     if record.has("shape_points"):
         label = "last shape" if has_earlier_shapes else "shape"
         handles.append(Patch(facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, label=label))
+    if record.has("cell_size", "target_cells"):
+        handles.append(Patch(facecolor=SHAPE_FILL, edgecolor=SHAPE_EDGE, label="place of the structure"))
+    if len(record.surface_at(record.ticks)):
+        handles.append(Line2D([], [], color=SHAPE_EDGE, marker=".", linestyle="", markersize=3, label="shape"))
     if has_earlier_shapes:
         handles.append(Line2D([], [], color=SHAPE_EDGE, linestyle=":", label="earlier shape"))
     if record.obstacles():

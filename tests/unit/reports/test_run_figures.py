@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from matplotlib.collections import EllipseCollection
 from PIL import Image
-from recorded_runs import made_run, run_in_space, run_of_points
+from recorded_runs import made_run, run_in_space, run_of_points, run_of_shapes, run_on_lattice
 
-from reports.figures import encoded, figure_names, make_figure
+from reports import scene
+from reports.figures import blank, encoded, figure_names, make_figure
 from reports.film import HOLD_S, FilmSpec, film_times, write_film
 from reports.plot_cli import main
 from reports.run_record import RunRecord
@@ -160,3 +161,28 @@ def test_a_run_that_ended_before_its_first_tick_cannot_be_filmed_but_drawn(
     assert main([str(tmp_path), "--out", str(tmp_path / "film.mp4")]) == 2
     assert "before its first tick" in capsys.readouterr().err
     assert main([str(tmp_path), "--out", str(tmp_path / "overview.png")]) == 0
+
+
+def test_boats_are_squares_as_they_lie_beside_the_cells_of_their_structure() -> None:
+    record, edge = run_on_lattice(), 4
+    axes = blank(4.0, 1.0).subplots()
+    scene.draw_ground(axes, record)
+    scene.RobotMarks(axes, record).put(edge)
+    cells, boats = ([path.vertices[:4] for path in drawn.get_paths()] for drawn in axes.collections)
+
+    assert [cell.mean(axis=0) for cell in cells] == pytest.approx(record.arrays["target_cells"])
+    places, yaws = record.edge_positions[edge], record.edge_states("yaw")[edge]
+    for boat, place, yaw, radius in zip(boats, places, yaws, record.radii, strict=True):
+        assert boat.mean(axis=0) == pytest.approx(place)
+        front = boat[1] - boat[0]
+        assert front == pytest.approx(2.0 * radius * np.array([np.cos(yaw), np.sin(yaw)]))
+
+
+def test_a_solid_is_drawn_where_it_is() -> None:
+    record = run_of_shapes()
+    axes = blank(4.0, 1.0).subplots()
+
+    for edge, number in ((3, 0), (9, 1)):
+        drawn = scene.draw_surface(axes, record, edge, (0, 2)).get_xydata()
+        wanted = record.arrays["surfaces"][number] + record.arrays["surface_shift"][edge]
+        assert drawn == pytest.approx(wanted[:, [0, 2]])

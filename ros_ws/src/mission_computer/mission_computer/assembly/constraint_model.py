@@ -87,7 +87,7 @@ class DispatchModel:
         """Return a dispatch, or whether there is a proof that none exists."""
         solver = cp_model.CpSolver()
         solver.parameters.num_workers = 1
-        solver.parameters.catch_sigint_signal = False  # else Ctrl-C kills the process from then on
+        solver.parameters.catch_sigint_signal = False  # it would leave the process without a handler of its own
         solver.parameters.random_seed = limits.seed
         solver.parameters.max_deterministic_time = limits.work
         status = solver.solve(self._model)
