@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from rich.table import Table
 
-from bringup.option_types import OneLineParser, choice, complain, folder, whole
+from bringup.option_types import OneLineParser, choice, complain, folder, number, whole
 from bringup.steady_stream import steady
 from studies.campaign_folder import write_files
 from studies.campaign_progress import console_on
@@ -23,7 +24,7 @@ from studies.tracking_tables import (
     comparison_rows,
     score_rows,
 )
-from studies.tracking_trial import Scores, Track, drive, scores_of
+from studies.tracking_trial import Scores, Track, drive, scaled_hull, scaled_weather, scores_of
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_sim.boats.config import BoatsConfig, ControllerKind
 from swarm_sim.boats.firmware import make_controller
@@ -49,18 +50,20 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _study(argv: Sequence[str]) -> int:
     given = _make_parser().parse_args(argv)
     controllers = [ControllerKind(name) for name in given.controllers]
-    config, seeds = BoatsConfig(), range(given.first_seed, given.first_seed + given.seeds)
+    nominal, seeds = BoatsConfig(), range(given.first_seed, given.first_seed + given.seeds)
+    config = replace(nominal, water=scaled_weather(nominal.water, given.weather))
+    hull = scaled_hull(nominal.hull, given.body)
     tracks: dict[tuple[CurveKind, ControllerKind], Track] = {}
     results: dict[tuple[CurveKind, ControllerKind], Scores] = {}
     for curve in map(CurveKind, given.curves):
         for kind in controllers:
-            track = drive(config, curve, seeds, partial(make_controller, kind))
+            track = drive(config, curve, seeds, partial(make_controller, kind), hull)
             tracks[curve, kind], results[curve, kind] = track, scores_of(track)
     given.out.mkdir(parents=True, exist_ok=True)
     write_files(
         given.out,
         {
-            TABLE: as_markdown(results, given.seeds).encode(),
+            TABLE: as_markdown(results, given.seeds, given.body, given.weather).encode(),
             CSV: as_csv(results).encode(),
             FIGURE: tracking_figure(tracks, given.seeds),
         },
@@ -95,6 +98,15 @@ def _make_parser() -> OneLineParser:
     curves = [kind.value for kind in CurveKind]
     parser.add_argument(
         "--curves", type=choice(CurveKind), nargs="+", default=curves, help=f"{', '.join(curves)} (default: both)"
+    )
+    parser.add_argument(
+        "--body",
+        type=number(0.1, 10.0),
+        default=1.0,
+        help="true mass, inertia and drag, relative to what the gains are for",
+    )
+    parser.add_argument(
+        "--weather", type=number(0.1, 10.0), default=1.0, help="strength of wind, gusts and waves, relative"
     )
     parser.add_argument("--out", type=folder, default=DEFAULT_OUT, help="folder of the results (default: %(default)s)")
     return parser

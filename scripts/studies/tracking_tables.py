@@ -80,11 +80,12 @@ def comparison_rows(results: Results) -> list[tuple[str, ...]]:
     return rows
 
 
-def as_markdown(results: Results, seeds: int) -> str:
-    """Return both tables, and what they hold."""
+def as_markdown(results: Results, seeds: int, body: float = 1.0, weather: float = 1.0) -> str:
+    """Return both tables, and what they hold; `body` and `weather` are relative to what the gains were made for."""
+    changed = f" Body times {body:g}, weather times {weather:g}." if (body, weather) != (1.0, 1.0) else ""
     parts = [
         f"One boat, {seeds} seeds of wind, waves and noise: mean ± standard deviation. MAE: mean absolute error of one"
-        " round, after the approach from the middle of the pool.",
+        f" round, after the approach from the middle of the pool.{changed}",
         _table(HEADER, score_rows(results)),
         _table(COMPARISON_HEADER, comparison_rows(results)),
     ]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from studies.tracking_curves import SPEED_MPS, Curve, CurveKind, reference_of
 from swarm_msgs_py.types import FloatArray
-from swarm_sim.boats.config import BoatsConfig
+from swarm_sim.boats.config import BoatsConfig, HullConfig, WaterConfig
 from swarm_sim.boats.firmware import Firmware, PoseSensor
 from swarm_sim.boats.planar_bodies import PlanarBodies
 from swarm_sim.boats.pose_control import PoseController, pose_error
@@ -88,7 +88,33 @@ def duration_s(curve: Curve) -> float:
     return SETTLING_S + curve.length_m / SPEED_MPS
 
 
-def drive(config: BoatsConfig, kind: CurveKind, seeds: Sequence[int], make: Maker) -> Track:
+def scaled_weather(water: WaterConfig, factor: float) -> WaterConfig:
+    """Return water whose wind, gusts and waves are so many times as strong."""
+    return replace(
+        water,
+        wind_n=factor * water.wind_n,
+        gust_n=factor * water.gust_n,
+        gust_yaw_nm=factor * water.gust_yaw_nm,
+        wave_n=factor * water.wave_n,
+        wave_yaw_nm=factor * water.wave_yaw_nm,
+    )
+
+
+def scaled_hull(hull: HullConfig, factor: float) -> HullConfig:
+    """Return a hull with so many times the mass, inertia and drag."""
+    return replace(
+        hull,
+        dry_mass_kg=factor * hull.dry_mass_kg,
+        added_mass_kg=factor * hull.added_mass_kg,
+        inertia_kgm2=factor * hull.inertia_kgm2,
+        drag_nspm=factor * hull.drag_nspm,
+        yaw_drag_nms=factor * hull.yaw_drag_nms,
+    )
+
+
+def drive(
+    config: BoatsConfig, kind: CurveKind, seeds: Sequence[int], make: Maker, hull: HullConfig | None = None
+) -> Track:
     """Return the tracks of one boat per seed.
 
     Parameters
@@ -99,13 +125,15 @@ def drive(config: BoatsConfig, kind: CurveKind, seeds: Sequence[int], make: Make
         Of wind, waves and measurement noise.
     make : callable
         Makes a controller from first measured poses and the control step.
+    hull : HullConfig, optional
+        The true one, if it is not the one that the firmware and the gains were made for.
     """
     curve = Curve(kind)
     count, step_s = len(seeds), 1.0 / config.control_hz
     times = np.arange(round(duration_s(curve) * config.control_hz), dtype=np.float64) * step_s
     rows = curve.references(times)
     start = np.tile([0.0, 0.0, START_HEADING_RAD], (count, 1))
-    bodies = PlanarBodies(config.hull, start, step_s)
+    bodies = PlanarBodies(hull or config.hull, start, step_s)
     water = Water(config.water, seeds, [0] * count, step_s)
     sensor = PoseSensor(config.pose, seeds, [0] * count)
     first = sensor.measure(bodies.poses)

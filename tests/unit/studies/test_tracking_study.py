@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from studies.boat_tuning import ziegler_nichols
 from studies.tracking_cli import main
 from studies.tracking_curves import SPEED_MPS, Curve, CurveKind
-from studies.tracking_trial import drive, scores_of
+from studies.tracking_trial import drive, scaled_hull, scores_of
 from swarm_sim.boats.config import BoatsConfig, ControllerKind
 from swarm_sim.boats.firmware import make_controller
 
@@ -54,10 +54,24 @@ def test_ladrc_stays_closer_to_the_circle_and_gets_there_sooner_than_the_papers_
     assert own.position_m.max() < 0.03
 
 
+def test_a_boat_that_is_heavier_than_its_gains_expect_is_still_held_on_the_curve() -> None:
+    config = BoatsConfig()
+    errors = [
+        scores_of(
+            drive(config, CurveKind.CIRCLE, [1], lambda p, s: make_controller(ControllerKind.LADRC, p, s), hull)
+        ).position_all_m[0]
+        for hull in (config.hull, scaled_hull(config.hull, 1.5))
+    ]
+
+    assert errors[0] < errors[1] < 0.05
+
+
 def test_the_command_leaves_tables_and_a_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code = main(["--seeds", "1", "--controllers", "ladrc", "--curves", "circle", "--out", str(tmp_path / "t")])
+    words = ["--seeds", "1", "--controllers", "ladrc", "--curves", "circle", "--body", "1.2", "--weather", "2"]
+    code = main([*words, "--out", str(tmp_path / "t")])
 
     assert code == 0
+    assert "Body times 1.2, weather times 2." in (tmp_path / "t" / "table.md").read_text()
     assert "circle" in capsys.readouterr().out
     assert (tmp_path / "t" / "tracking-study.png").read_bytes().startswith(b"\x89PNG")
     assert len((tmp_path / "t" / "table.csv").read_text().splitlines()) == 2
@@ -65,7 +79,12 @@ def test_the_command_leaves_tables_and_a_figure(tmp_path: Path, capsys: pytest.C
 
 @pytest.mark.parametrize(
     ("arguments", "expected"),
-    [(["--controllers", "lqr"], "'lqr'"), (["--seeds", "0"], "from 1 to 1000"), (["--x"], "--x")],
+    [
+        (["--controllers", "lqr"], "'lqr'"),
+        (["--seeds", "0"], "from 1 to 1000"),
+        (["--body", "0"], "from 0.1 to 10"),
+        (["--x"], "--x"),
+    ],
 )
 def test_bad_input_is_told_in_one_line(arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(arguments) == 2
