@@ -104,6 +104,11 @@ def settings_of(
     return agents, world
 
 
+def _placed(agents: CoverageConfig, arguments: argparse.Namespace) -> CoverageConfig:
+    """Return the settings with the longest link that the command line asks for."""
+    return agents if arguments.placement is None else replace(agents, placement=arguments.placement)
+
+
 def trials(arguments: argparse.Namespace, name: str, results: ResultFile) -> Iterator[Trial]:
     """Yield one trial per seed, those that are in the file of results from there."""
     solid = solid_from(EXPERIMENTS[name][0])
@@ -119,7 +124,8 @@ def _key(arguments: argparse.Namespace, name: str, seed: int) -> str:
     """Return what tells one trial from all others."""
     numbers = [f"{what}={getattr(arguments, what):g}" for what in ("sigma", "offset_sigma", "kill", "robots")]
     drifts = ["drifts"] if arguments.drifts else []
-    return " ".join([name, arguments.rule, arguments.expansion, *numbers, *drifts, f"seed={seed}"])
+    placed = [] if arguments.placement is None else [f"placement={arguments.placement:g}"]
+    return " ".join([name, arguments.rule, arguments.expansion, *numbers, *drifts, *placed, f"seed={seed}"])
 
 
 def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed: int) -> Trial:
@@ -127,6 +133,7 @@ def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed:
     shape, radius = EXPERIMENTS[name]
     rule, expansion = Rule(arguments.rule), Expansion(arguments.expansion)
     agents, world = settings_of(name, rule, expansion, arguments.sigma, arguments.offset_sigma)
+    agents = _placed(agents, arguments)
     wall, cpu = time.perf_counter(), time.process_time()
     mission = CoverageMission(shape, agents, replace(world, drifts=arguments.drifts), arguments.robots, seed)
     outcome = mission.run(TICKS_MAX)
@@ -213,6 +220,11 @@ def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--robots", type=whole(1, 10_000), default=100, help="the leader included")
     parser.add_argument("--kill", type=number(0.0, 1.0), default=0.0, help="share of the placed followers that die")
     parser.add_argument("--drifts", action="store_true", help="noise moves robots at rest as well")
+    parser.add_argument(
+        "--placement",
+        type=number(0.1, 1.0),
+        help=f"longest link that is planned, in ranges; {EXACT} without noise, {NOISY} with",
+    )
     parser.add_argument("--out", type=Path, help="folder that keeps finished missions; the same command goes on there")
     parser.add_argument("--plan", action="store_true", help="instead: plan places by the rule, without messages")
     parser.add_argument(
@@ -242,16 +254,22 @@ def _run(arguments: argparse.Namespace) -> None:
         for line in growth(arguments.growth, arguments.missions):
             print(line, flush=True)
     elif arguments.plan:
-        print(PLAN_HEADER)
-        for name in arguments.experiment:
-            config, _ = settings_of(name, Rule(arguments.rule), Expansion.SERIAL, arguments.sigma)
-            print(plan_row(name, solid_from(EXPERIMENTS[name][0]), config, arguments.seeds), flush=True)
+        _tell_plans(arguments)
     elif arguments.out is None:
         _tell(arguments, ResultFile(None, ""))
     else:
         results = open_results(arguments.out)
         with locked(arguments.out):
             _tell(arguments, results)
+
+
+def _tell_plans(arguments: argparse.Namespace) -> None:
+    """Print a row for each experiment's plans."""
+    print(PLAN_HEADER)
+    for name in arguments.experiment:
+        config, _ = settings_of(name, Rule(arguments.rule), Expansion.SERIAL, arguments.sigma)
+        solid = solid_from(EXPERIMENTS[name][0])
+        print(plan_row(name, solid, _placed(config, arguments), arguments.seeds), flush=True)
 
 
 def _tell(arguments: argparse.Namespace, results: ResultFile) -> None:

@@ -41,6 +41,17 @@ def test_plans_are_told_by_rule(capsys: pytest.CaptureFixture[str]) -> None:
     assert float(row[5]) >= 0.999
 
 
+def test_shorter_links_take_more_robots_and_impossible_ones_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    plan = ["--plan", "--experiment", "box", "--rule", "first", "--seeds", "1"]
+    codes = [main([*plan, "--placement", share]) for share in ("0.9", "0.6", "2")]
+
+    told = capsys.readouterr()
+    robots = [float(line.split()[3]) for line in told.out.splitlines() if line.startswith("box")]
+    assert codes == [0, 0, 2]
+    assert robots[0] < robots[1]
+    assert "placement" in told.err
+
+
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_agents_and_world_agree_on_the_ranges(name: str) -> None:
     agents, world = settings_of(name, Rule.LAYOUT, Expansion.SERIAL, 1.0)
