@@ -9,7 +9,14 @@ import numpy as np
 
 from bringup.layout import markers
 from bringup.scenario import Scenario
-from mission_computer.vision.calibration import MARK_AREA_PX, MARK_ASPECT, MARK_MARGIN_PX
+from mission_computer.vision.calibration import (
+    MARK_AREA_LEAST_PX,
+    MARK_AREA_PX,
+    MARK_ASPECT,
+    MARK_MARGIN_LEAST_PX,
+    MARK_MARGIN_PX,
+)
+from mission_computer.vision.resolution import LEAST_RADIUS_PX, scale_of, smallest_radius_px
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.markers import CoverMarker, FloorMarks
 from swarm_msgs_py.types import FloatArray
@@ -17,12 +24,6 @@ from swarm_sim.camera.optics import Optics
 from swarm_sim.camera.overhead_camera import mounted_optics
 from swarm_sim.camera.sight import lens_limit, rim_pixels
 
-REFERENCE_ROWS = 480
-"""Height of the images for which the mission computer's numbers of pixels are given."""
-DISC_RADIUS_MIN_PX = 1.8
-"""Smaller discs cannot be told from noise."""
-MARK_MARGIN_LEAST_PX, MARK_AREA_LEAST_PX = 2, 12
-"""Least distance of a mark from the border, and its least size, in images of however few pixels."""
 ROUNDING = 1e-6
 MOUNTED = "or change sim.camera.mount_sigma_m, aim_sigma_m, roll_sigma_rad or the seed"
 
@@ -93,25 +94,24 @@ def _check_rate(scenario: Scenario) -> None:
 def _check_discs(optics: Optics, covers: Sequence[CoverMarker]) -> None:
     """Refuse covers that the camera is not above, or that are too small in its images."""
     height = max(cover.height for cover in covers)
-    above = float(optics.position[2]) - height
-    if above <= 0.0:
+    if float(optics.position[2]) <= height:
         raise ConfigError(
             f"the camera is mounted {optics.position[2]:.2f} m above the floor, below the robots' covers at "
             f"{height:g} m; raise sim.camera.elevation_m, or lower mount_sigma_m"
         )
-    focal, size = float(optics.info.intrinsics[0, 0]), f"{optics.info.width}x{optics.info.height}"
-    radius_px = focal * min(cover.small_radius for cover in covers) / above
-    if radius_px < DISC_RADIUS_MIN_PX:
+    radius_px = smallest_radius_px(covers, optics.info, float(optics.position[2]))
+    if radius_px < LEAST_RADIUS_PX:
         raise ConfigError(
-            f"the smallest disc has a radius of {radius_px:.1f} pixels in images of {size}, less than the "
-            f"{DISC_RADIUS_MIN_PX:g} that can be read; raise sim.camera.width_px and height_px, or lower view_m"
+            f"the smallest disc has a radius of {radius_px:.1f} pixels in images of {optics.info.width}x"
+            f"{optics.info.height}, less than the {LEAST_RADIUS_PX:g} that can be read; raise sim.camera.width_px and "
+            "height_px, or lower view_m"
         )
 
 
 def _check_mark(optics: Optics, limit: float, center: FloatArray, radius: float) -> None:
     """Refuse a mark of the floor that is not wholly in the image, or that the mission computer takes for none."""
     info = optics.info
-    place, scale = f"the floor mark at ({center[0]:g}, {center[1]:g}) m", info.height / REFERENCE_ROWS
+    place, scale = f"the floor mark at ({center[0]:g}, {center[1]:g}) m", scale_of(info.height)
     margin = max(round(scale * MARK_MARGIN_PX), MARK_MARGIN_LEAST_PX)
     rim = rim_pixels(optics, limit, center, radius, 0.0)
     high = np.array([info.width, info.height]) - 1.0 - margin

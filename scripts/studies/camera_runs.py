@@ -22,13 +22,12 @@ from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import BoolArray
 from swarm_sim.camera.overhead_camera import OverheadCamera
 from swarm_sim.config import CameraConfig, Renderer
+from swarm_sim.metrics.camera import FALSE_M
 
 FRAME_S = 100.0
 """Time between two images that have nothing in common [s]: so long that no track helps, nor hinders."""
 WATCHED_S = 0.1
 """Time from the image before a look-alike appears [s]: tracks tell the two apart, images cannot."""
-FALSE_M = 0.03
-"""A fix farther than this from its robot [m] is of something else; less than half of the smallest cover."""
 
 
 @dataclass(frozen=True, slots=True)

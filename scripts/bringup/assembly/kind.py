@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from bringup.assembly.scenario import AssemblyScenario
+from bringup.assembly.scenario import AssemblyScenario, Navigation
 from bringup.family import Family
 from bringup.formation_kind import named_or_file
 from bringup.origin import Override
@@ -14,16 +14,13 @@ from swarm_msgs_py.config import Config
 from swarm_msgs_py.errors import ConfigError
 from swarm_sim.boats.pool import BodyKind
 
-METHOD = "timed"
-"""Timed guideposts: the one method that boats follow in continuous space."""
-
 
 class AssemblyKind:
     """Implements `bringup.family.Kind`."""
 
     family = Family.ASSEMBLY
     scenario: type[Config] = AssemblyScenario
-    methods = (METHOD,)
+    methods = tuple(navigation.value for navigation in Navigation)
 
     def completed(self, data: dict[str, Any]) -> dict[str, Any]:
         """Return the data: nothing may be left out that has no default."""
@@ -57,9 +54,9 @@ class AssemblyKind:
         """Return the override of ``--map``: a map of the library or a file; it replaces the map and its docks."""
         return Override(f"--map {source}", "map", named_or_file(source, map_names()))
 
-    def method_overrides(self, name: str) -> tuple[Override, ...]:  # noqa: ARG002 - there is one
-        """Return nothing: there is one method."""
-        return ()
+    def method_overrides(self, name: str) -> tuple[Override, ...]:
+        """Return the overrides of ``--method``: who finds the ways."""
+        return (Override(f"--method {name}", "navigation", name),)
 
     def physics_override(self, backend: str) -> Override:
         """Return the override of ``--physics``: bullet, or massdamper for the planar bodies without contacts."""

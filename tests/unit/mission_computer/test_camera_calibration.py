@@ -13,6 +13,7 @@ from swarm_sim.config import CameraConfig
 
 MARKS = FloorMarks()
 FLOOR = np.column_stack([MARKS.centers, np.zeros(4)])
+EVERYWHERE = slice(None)
 
 
 def test_marks_are_found_to_a_small_part_of_a_pixel() -> None:
@@ -88,7 +89,8 @@ def test_the_map_of_a_plane_agrees_with_the_optics_of_the_simulator() -> None:
     pixels = np.array([(0, 0), (639, 0), (320, 240), (17, 401), (639, 479)])
     for height, plane in maps.items():
         points = optics.plane_points(optics.rays(pixels.astype(float)), height)
-        assert_allclose(plane.points[pixels[:, 1], pixels[:, 0]], points, atol=2e-5)
+        shown, _ = plane.window(EVERYWHERE, EVERYWHERE)
+        assert_allclose(shown[pixels[:, 1], pixels[:, 0]], points, atol=2e-5)
 
 
 @pytest.mark.parametrize("distortion", [-0.15, 0.05])
@@ -101,13 +103,16 @@ def test_maps_from_few_points_are_those_of_every_pixel(distortion: float, width:
     rows, columns = np.mgrid[:height:7, :width:7]
 
     plane = plane_maps(place, [0.12])[0.12]
+    points, shown = plane.window(EVERYWHERE, EVERYWHERE)
 
     rays = place.rays(np.stack([columns, rows], axis=-1).reshape(-1, 2).astype(float))
     exact = place.plane_points(rays, 0.12).reshape(*rows.shape, 2)
-    assert_allclose(plane.points[rows, columns], exact, atol=1e-8)
-    down, across = (np.asarray(np.gradient(plane.points, axis=axis)) for axis in (0, 1))
+    assert_allclose(points[rows, columns], exact, atol=1e-8)
+    down, across = (np.asarray(np.gradient(points, axis=axis)) for axis in (0, 1))
     areas = np.abs(across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0])
-    assert_allclose(plane.areas[1:-1, 1:-1], areas[1:-1, 1:-1], rtol=1e-6)
+    assert_allclose(shown[1:-1, 1:-1], areas[1:-1, 1:-1], rtol=1e-6)
+    part, _ = plane.window(slice(10, 30), slice(-20, None))
+    assert_allclose(part, points[10:30, -20:], atol=1e-12)
 
 
 @pytest.mark.parametrize("height", [240, 2800])
@@ -140,7 +145,7 @@ def test_pixel_areas_add_up_to_the_area_of_what_they_show() -> None:
     place = calibrate(optics.project(FLOOR), optics.info, MARKS)
     assert place is not None
 
-    plane = plane_maps(place, [0.12])[0.12]
+    points, areas = plane_maps(place, [0.12])[0.12].window(EVERYWHERE, EVERYWHERE)
 
-    inside = (np.abs(plane.points) <= 0.9).all(axis=2)
-    assert plane.areas[inside].sum() == pytest.approx(1.8**2, rel=0.005)
+    inside = (np.abs(points) <= 0.9).all(axis=2)
+    assert areas[inside].sum() == pytest.approx(1.8**2, rel=0.005)

@@ -2,7 +2,7 @@
 
 The marks' middles are measured to a few hundredths of a pixel; the pose that explains them best is found with OpenCV
 (IPPE of Collins and Bartoli, 2014, for a plane, then Levenberg-Marquardt). Lens distortion is undone once per
-calibration instead of once per image: afterwards a pixel's point on a plane is a look-up.
+calibration instead of once per image, at few points: between them, a pixel's point on a plane is a polynomial.
 """
 
 from __future__ import annotations
@@ -88,18 +88,25 @@ class Calibration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneMap:
-    """The point of a plane that each pixel shows.
+    """The point of a plane that each pixel shows: a polynomial through nodes, worked out where it is asked for.
 
     Attributes
     ----------
-    points : (h, w, 2) array
-        World frame [m].
-    areas : (h, w) array
-        Area of the plane that each pixel covers [m^2].
+    nodes : (3, n, n) array
+        At rows and columns of nodes: x and y [m], world frame, and the area of the plane that a pixel covers [m^2].
+    down, across : (h, n) array, (w, n) array
+        Weights of the nodes in each row and in each column of pixels.
     """
 
-    points: FloatArray
-    areas: FloatArray
+    nodes: FloatArray
+    down: FloatArray
+    across: FloatArray
+
+    def window(self, rows: slice, columns: slice) -> tuple[FloatArray, FloatArray]:
+        """Return points (h, w, 2) [m] and areas (h, w) [m^2] of the pixels of a part of the image."""
+        down, across = self.down[rows], self.across[columns].T
+        x, y, areas = (down @ values @ across for values in self.nodes)
+        return np.stack([x, y], axis=-1), areas
 
 
 def plane_maps(calibration: Calibration, heights: Sequence[float]) -> dict[float, PlaneMap]:
@@ -117,8 +124,7 @@ def plane_maps(calibration: Calibration, heights: Sequence[float]) -> dict[float
         here, left, right, up, low = calibration.plane_points(rays, height).reshape(len(steps), NODES, NODES, 2)
         per_column, per_row = (right - left) / 2.0, (low - up) / 2.0
         areas = np.abs(per_column[..., 0] * per_row[..., 1] - per_column[..., 1] * per_row[..., 0])
-        points = np.stack([down @ here[..., axis] @ across.T for axis in range(2)], axis=-1)
-        maps[height] = PlaneMap(points, down @ areas @ across.T)
+        maps[height] = PlaneMap(np.stack([here[..., 0], here[..., 1], areas]), down, across)
     return maps
 
 

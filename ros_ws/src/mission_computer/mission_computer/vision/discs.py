@@ -108,7 +108,7 @@ def measure(blob: Blob, pixels: ImageArray, largest: ImageArray, plane: PlaneMap
     if power < DIM**2:
         return None
     shares = np.clip((light - outside) @ (contrast / power), 0.0, 1.0) * region
-    points, areas = plane.points[rows, columns], plane.areas[rows, columns]
+    points, areas = plane.window(rows, columns)
     moments = _moments(shares * areas, points)
     pixel = float(areas.mean())
     # Spreading each point over a square adds its second moment, along every axis.
