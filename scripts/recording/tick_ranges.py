@@ -28,6 +28,9 @@ class TickRanges:
     def add(self, tick: int) -> None:
         """Take in a tick, in whatever order they come."""
         firsts, lasts = self._firsts, self._lasts
+        if lasts and tick == lasts[-1] + 1:  # as nearly always
+            lasts[-1] = tick
+            return
         row = bisect_right(firsts, tick)  # the first range that begins later
         if row and tick <= lasts[row - 1]:
             return

@@ -13,14 +13,14 @@ from reports.page import report_page
 from reports.run_record import RunRecord
 from swarm_msgs_py.errors import ConfigError, SwarmError
 
-OK, BAD_INPUT = 0, 2
+OK, BAD_INPUT, INTERRUPTED = 0, 2, 130
 FIGURES, FILMS, PAGE = (".png", ".svg", ".pdf"), (".mp4", ".gif"), ".html"
 KINDS = (*FIGURES, *FILMS, PAGE)
 FILM_FPS, FILM_WIDTH_IN, FILM_DPI = 20, 7.0, 100
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Make what the command line asks for; return the exit code (0 or 2)."""
+    """Make what the command line asks for; return the exit code (0, 2 or 130)."""
     try:
         given = parse_arguments(sys.argv[1:] if argv is None else argv)
         record = RunRecord.load(given.run)
@@ -32,6 +32,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SwarmError as error:
         complain(error)
         return BAD_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
     return OK
 
 
@@ -48,7 +50,7 @@ def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
     parser = OneLineParser(
         prog="plot_run.py",
         description="Make figures (PNG, SVG, PDF), films (MP4, GIF) or the report (HTML) of a run folder.",
-        epilog="Exit code 0: all files were written; 2: bad input.",
+        epilog="Exit code 0: all files were written; 2: bad input; 130: interrupted.",
         allow_abbrev=False,
     )
     add = parser.add_argument

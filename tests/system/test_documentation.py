@@ -8,24 +8,20 @@ from __future__ import annotations
 
 import os
 import re
-import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
 from documented_commands import LAUNCHER, TRIED, blocks, commands, how_tried, inline_spans, shell_commands, told
 from run_folders import metrics_of
+from short_runs import INTERRUPTED, interrupt_after
 from source_tree import ROOT
 
 from batches import cli as batch_cli
 from bringup import cli
-from bringup.engine import TickRecord
-from bringup.inprocess import InProcessEngine
 from bringup.kinds import KINDS
 from bringup.shape_specs import ShapeSpec
 from docs_site.reference import every_channel
@@ -42,7 +38,7 @@ ROBOTS = {"formation": "8", "split": "8", "morph": "3", "sequence": "3"}
 OVER_ROS = (*LIGHT, "--agents", "4", "--set", "success.hold_s=0", "--set", "duration_s=2")
 BATCH = ("--seeds", "1", "--agents", "4", "--set", "duration_s=2", "--workers", "1")
 SECONDS, ENDS_S = 2.0, 60.0
-RAN = {0, 1, 130}  # achieved or not, or interrupted as by Ctrl-C
+RAN = {0, 1, INTERRUPTED}  # achieved, not achieved
 
 
 def shortened(words: tuple[str, ...]) -> list[str]:
@@ -53,19 +49,6 @@ def shortened(words: tuple[str, ...]) -> list[str]:
     kind = kept[kept.index("--scenario") + 1].partition("-")[0] if "--scenario" in kept else "demo"
     few = ROBOTS.get(kind)
     return [*kept, "--engine", "inprocess", *PHYSICS.get(kind, LIGHT), *(("--agents", few) if few else ())]
-
-
-def interrupt_after(seconds: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a run without ROS get Ctrl-C after so much simulated time."""
-    whole = InProcessEngine.ticks
-
-    def some(engine: InProcessEngine) -> Iterator[TickRecord[Any, Any]]:
-        for record in whole(engine):
-            yield record
-            if record.truth.time >= seconds:
-                signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(InProcessEngine, "ticks", some)
 
 
 def is_of_the_example(words: tuple[str, ...]) -> bool:

@@ -11,7 +11,7 @@ from matplotlib.collections import EllipseCollection
 from PIL import Image
 from recorded_runs import made_run, run_in_space, run_of_points, run_of_shapes, run_on_lattice
 
-from reports import scene
+from reports import plot_cli, scene
 from reports.figures import blank, encoded, figure_names, make_figure
 from reports.film import HOLD_S, FilmSpec, film_times, write_film
 from reports.plot_cli import main
@@ -186,3 +186,15 @@ def test_a_solid_is_drawn_where_it_is() -> None:
         drawn = scene.draw_surface(axes, record, edge, (0, 2)).get_xydata()
         wanted = record.arrays["surfaces"][number] + record.arrays["surface_shift"][edge]
         assert drawn == pytest.approx(wanted[:, [0, 2]])
+
+
+def test_who_interrupts_a_drawing_sees_no_traceback(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(_: RunRecord) -> bytes:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plot_cli, "report_page", interrupt)
+
+    assert main([str(folder), "--out", str(tmp_path / "report.html")]) == 130
+    assert not list(tmp_path.iterdir())
