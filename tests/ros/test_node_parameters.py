@@ -33,6 +33,17 @@ class Inner(Config):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Spot(Config):
+    color: Color = setting(Color.RED, "which")
+    center_m: tuple[float, float] = setting((0.0, 0.0), "where", unit="m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Floor(Config):
+    spots: tuple[Spot, ...] = setting((), "what lies about")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Outer(Config):
     count: int = setting(3, "how many", minimum=1, maximum=9)
     color: Color = setting(Color.RED, "which")
@@ -71,6 +82,29 @@ def test_overrides_are_what_the_node_runs_with(ros: RosHarness) -> None:
     config = declare_config(node, Outer())
 
     assert config == Outer(count=5, color=Color.BLUE, is_on=False, inner=Inner(gain=1.5, points=(4.0,)))
+
+
+def test_records_are_texts_in_json_as_defaults_and_as_overrides(ros: RosHarness) -> None:
+    blue = Floor(spots=(Spot(color=Color.BLUE, center_m=(0.5, -0.25)), Spot()))
+
+    assert declare_config(node_with(ros), blue) == blue
+    assert declare_config(node_with(ros), Floor()) == Floor()
+    override = ['{"color": "blue", "center_m": [0.5, -0.25]}', "{}"]
+    assert declare_config(node_with(ros, spots=override), Floor()) == blue
+    assert declare_config(node_with(ros, spots=override[:1]), blue) == Floor(spots=blue.spots[:1])
+
+
+@pytest.mark.parametrize(
+    ("spots", "line"),
+    [
+        (["red"], "parameters of /tuned: spots: expected a list of texts, each a record in JSON"),
+        ([1.0], "parameters of /tuned: spots: expected a list of texts, each a record in JSON"),
+        (['{"hue": 3}'], "hue"),
+    ],
+)
+def test_a_record_that_cannot_be_read_is_refused_by_name(ros: RosHarness, spots: list[Any], line: str) -> None:
+    with pytest.raises(ConfigError, match=line):
+        declare_config(node_with(ros, spots=spots), Floor())
 
 
 @pytest.mark.parametrize(

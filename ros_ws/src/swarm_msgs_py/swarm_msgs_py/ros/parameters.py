@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 import typing
@@ -43,10 +44,13 @@ def declare_config(node: Node, default: C) -> C:
     data: dict[str, Any] = {}
     for key, (hint, about) in dotted_keys(kind).items():
         value = _at(defaults, key)
+        given = [json.dumps(record) for record in value] if _are_records(hint) else value
         try:
-            chosen = node.declare_parameter(key, value, _descriptor(hint, about, value)).value
+            chosen = node.declare_parameter(key, given, _descriptor(hint, about, given)).value
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             raise ConfigError(f"{where}: {key}: expected {_expected(hint, about)}; {error}") from error
+        if _are_records(hint):
+            chosen = _records(chosen, f"{where}: {key}")
         with_setting(data, key, list(chosen) if isinstance(value, list) else chosen, where)
     return load_config(kind, data, where)
 
@@ -84,6 +88,22 @@ def refuse_unknown_overrides(node: Node) -> None:
             )
 
 
+def _are_records(hint: Any) -> bool:
+    """Return whether a setting is a list of things with settings of their own; ROS has no parameter for those."""
+    inner = typing.get_args(hint)[:1] if typing.get_origin(hint) is tuple else ()
+    return any(isinstance(one, type) and issubclass(one, Config) for one in inner)
+
+
+def _records(texts: object, where: str) -> list[Any]:
+    """Return what the texts of a parameter say, each one record in JSON."""
+    if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
+        raise ConfigError(f"{where}: expected a list of texts, each a record in JSON, got {texts!r}")
+    try:
+        return [json.loads(text) for text in texts]
+    except json.JSONDecodeError as error:
+        raise ConfigError(f"{where}: expected a list of texts, each a record in JSON; {error}") from error
+
+
 def _at(data: dict[str, Plain], key: str) -> Any:
     value: Any = data
     for part in key.split("."):
@@ -98,7 +118,7 @@ def _descriptor(hint: Any, about: Setting, value: object) -> ParameterDescriptor
         description=f"{about.help}{unit}",
         additional_constraints=_expected(hint, about),
         read_only=True,
-        dynamic_typing=value is None,
+        dynamic_typing=value is None or _are_records(hint),  # an empty list has no type
     )
     is_limited = about.minimum is not None or about.maximum is not None or about.above is not None
     if is_limited and hint is float:
@@ -118,6 +138,8 @@ def _expected(hint: Any, about: Setting) -> str:
     """Return type and limits of a setting in words."""
     if isinstance(hint, type) and issubclass(hint, Enum):
         return "one of " + ", ".join(str(member.value) for member in hint)
+    if _are_records(hint):
+        return "a list of texts, each a record in JSON"
     names = {float: "a number with a decimal point", int: "a whole number", bool: "true or false", str: "text"}
     kind = names.get(hint, "a list" if typing.get_origin(hint) is tuple else "a value")
     return f"{kind} {about.limits()}".rstrip()
