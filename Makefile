@@ -56,10 +56,10 @@ else
 endif
 
 test-parts:
-	@$(PYTEST) --quiet tests/unit tests/property tests/contract $(wildcard tests/test_*.py)
+	@$(PYTEST) --quiet tests/unit tests/property tests/contract tests/scenario $(wildcard tests/test_*.py)
 
 test-whole:
-	@$(PYTEST) --quiet tests/scenario tests/ros tests/system
+	@$(PYTEST) --quiet tests/ros tests/system
 
 check: $(LINKED) ## format, lint, types and the fast tests
 	@$(VENV_PYTHON) -m ruff format --check .

@@ -28,7 +28,7 @@ from docs_site.reference import PATHS
 from previews import shape_cli
 from recording import replay_cli
 from reports import plot_cli
-from studies import coverage_experiments, lps_arguments
+from studies import camera_cli, coverage_experiments, lps_arguments
 from swarm_msgs_py.config import full_key
 from swarm_msgs_py.errors import ConfigError
 from swarm_msgs_py.extensions import PARTITION_METHODS
@@ -241,6 +241,8 @@ def take(script: str, words: list[str], monkeypatch: pytest.MonkeyPatch) -> None
         order_cli.parse_arguments(words or ["pause"])
     elif script == "scripts/shape.py":
         shape_cli.parse_arguments([word for word in words if word != "--help"])
+    elif script == "scripts/camera_study.py":
+        camera_cli.parse_arguments(words)
     elif script == "scripts/coverage_study.py":
         coverage_experiments.parsed(words)
     elif script == "scripts/monte_carlo.py":

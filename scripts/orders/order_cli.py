@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from bringup.option_types import OneLineParser, number
+from bringup.option_types import OneLineParser, complain, number
 from mission_computer.shape import CoordinateUnit, Placement, is_drawing, placed_shape
 from swarm_msgs_py.errors import ConfigError, SwarmError
 from swarm_msgs_py.topics import PAUSE_SERVICE, RESUME_SERVICE, power_service
@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except SwarmError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        complain(error)
         return BAD_INPUT
 
 
