@@ -86,6 +86,21 @@ def test_a_freed_place_is_on_no_way_if_it_is_withdrawn() -> None:
     assert NodeId(1) not in board.held
 
 
+def test_a_link_that_may_not_hold_is_taken_where_there_is_no_other() -> None:
+    board, root = Board(1.0, spare=0.1), (NodeId(0), 0)
+    board.merge(at(0, 0.0, State.HELD, holder=0))
+    board.merge(at(2, 1.05, State.HELD, holder=2))
+    board.merge(at(3, 2.2, State.OPEN))
+
+    assert board.path(root, (NodeId(0), 2), over_taken=False) == [(0, 0), (0, 2)]
+    assert (0, 3) not in board.hops_from(root, over_taken=True)
+
+    board.merge(at(1, 0.5, State.HELD, holder=1))
+
+    assert board.path(root, (NodeId(0), 2), over_taken=False) == [(0, 0), (0, 1), (0, 2)]
+    assert board.hops_from(root, over_taken=False)[NodeId(0), 2] == 2
+
+
 FRAME = Frame(
     NodeId(7),
     CoverageMode.HOLDING,

@@ -167,7 +167,7 @@ class CoverageAgent:
         is_root = self._mission.leader == self.id
         self._rendezvous = Rendezvous(self.id, is_root=is_root, term=self._mission.term)
         link = (1.0 - LINK_SPARE) * self._config.range_m - self._arrival
-        self._board = Board(link, self._barriers)
+        self._board = Board(link, self._arrival, self._barriers)
         self._telling.begin(self._board)
         self._absence = AbsenceWatch(self.id, self._config, self._barriers)
         self._solid = None

@@ -17,6 +17,7 @@ from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
 Search = tuple[FloatArray, IntArray, list[Key]]
 SHORTEST = 1e-6  # length of a link between two places at one point [m]: a sparse matrix would forget 0
+DETOUR = 1e6  # what a link that may not hold costs, in links or meters: more than any way round it
 
 
 class Board:
@@ -29,7 +30,11 @@ class Board:
     Parameters
     ----------
     link : float
-        Two places no farther apart are linked once both are held [m].
+        Two places no farther apart are linked once both are held, wherever within the tolerance robots stop [m].
+    spare : float, optional
+        Two places that are farther apart, by no more than this, are linked if robots stop well [m]. Who replaces one
+        that died stops a little off its place, so that one further out may have no better link: ways lead over such
+        links where there is no other way.
     barriers : Barriers, optional
         Obstacles that cut links.
 
@@ -41,8 +46,8 @@ class Board:
         Counts the news.
     """
 
-    def __init__(self, link: float, barriers: Barriers = OPEN_SPACE) -> None:
-        self._link = link
+    def __init__(self, link: float, spare: float = 0.0, barriers: Barriers = OPEN_SPACE) -> None:
+        self._link, self._spare = link, spare
         self.barriers = barriers
         self._places: dict[Key, Place] = {}
         self._in_state: dict[State, dict[Key, Place]] = {state: {} for state in State}
@@ -109,7 +114,10 @@ class Board:
         return Place(place.key, place.version + 1, state, NOBODY, place.position)
 
     def hops_from(self, root: Key, *, over_taken: bool) -> dict[Key, int]:
-        """Return how many links each place is from `root`, over places that are held (or taken); see `path`."""
+        """Return how many links each place is from `root`, over places that are held (or taken); see `path`.
+
+        One that may not hold counts as `DETOUR` links.
+        """
         hops, _, keys = self._searched(root, over_taken=over_taken, by_length=False)
         return {key: int(count) for key, count in zip(keys, hops.tolist(), strict=True) if np.isfinite(count)}
 
@@ -144,12 +152,18 @@ class Board:
 
     def _search(self, root: Key, *, over_taken: bool, by_length: bool) -> Search:
         places = tuple(self.places(State.OPEN, State.TAKEN, State.HELD))
-        return _search(places, root, self._link, self.barriers, over_taken, by_length)
+        return _search(places, root, self._link, self._spare, self.barriers, over_taken, by_length)
 
 
 @lru_cache(maxsize=64)
 def _search(  # noqa: PLR0913, PLR0917 - what a search follows from
-    places: tuple[Place, ...], root: Key, link: float, barriers: Barriers, over_taken: bool, by_length: bool
+    places: tuple[Place, ...],
+    root: Key,
+    link: float,
+    spare: float,
+    barriers: Barriers,
+    over_taken: bool,
+    by_length: bool,
 ) -> Search:
     """Return what `Board._searched` does; shared by all robots of one process that know the same places."""
     keys = [place.key for place in places]
@@ -157,17 +171,15 @@ def _search(  # noqa: PLR0913, PLR0917 - what a search follows from
         return np.empty(0), np.empty(0, dtype=np.int64), []
     carries = np.array([over_taken or p.state is State.HELD or p.key == root for p in places])
     positions = _positions(places)
-    pairs = cKDTree(positions).query_pairs(link, output_type="ndarray")
+    pairs = cKDTree(positions).query_pairs(link + spare, output_type="ndarray")
     if barriers:
         pairs = pairs[~barriers.cut(positions[pairs[:, 0]], positions[pairs[:, 1]])]
     both = np.concatenate([pairs, pairs[:, ::-1]])
     both = both[carries[both[:, 0]]]  # a way goes on only from places that carry it
-    lengths = np.linalg.norm(positions[both[:, 0]] - positions[both[:, 1]], axis=1) + SHORTEST
-    links = csr_array((lengths, (both[:, 0], both[:, 1])), shape=(len(keys), len(keys)))
-    start = keys.index(root)
-    distances, before = dijkstra(
-        links, directed=True, indices=start, return_predecessors=True, unweighted=not by_length
-    )
+    lengths = np.linalg.norm(positions[both[:, 0]] - positions[both[:, 1]], axis=1)
+    costs = (lengths + SHORTEST if by_length else np.ones(len(both))) + DETOUR * (lengths > link)
+    links = csr_array((costs, (both[:, 0], both[:, 1])), shape=(len(keys), len(keys)))
+    distances, before = dijkstra(links, directed=True, indices=keys.index(root), return_predecessors=True)
     return distances, before.astype(np.int64), keys
 
 
