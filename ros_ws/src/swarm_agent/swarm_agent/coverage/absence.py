@@ -5,13 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from swarm_agent.coverage.board import Board
-from swarm_agent.coverage.config import CoverageConfig
+from swarm_agent.coverage.config import CoverageConfig, ProtocolConfig
 from swarm_agent.coverage.frames import Place, State
 from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.types import FloatArray, NodeId
 
 HIDDEN = 10  # times as patient with robots under way, where obstacles may hide them
+
+
+def patience_under_way(protocol: ProtocolConfig, barriers: Barriers) -> int:
+    """Return for how many ticks a robot that travels must not be sensed until it is taken for gone."""
+    return protocol.absence_ticks * (HIDDEN if barriers else 1)
 
 
 class AbsenceWatch:
@@ -32,7 +37,7 @@ class AbsenceWatch:
         self._me = me
         self._barriers = barriers
         self._patience = config.protocol.absence_ticks
-        self._patience_under_way = self._patience * (HIDDEN if barriers else 1)
+        self._patience_under_way = patience_under_way(config.protocol, barriers)
         self._reach = config.protocol.absence_share * config.range_m
         self._missed: dict[NodeId, int] = {}
         self._under_way: set[NodeId] = set()

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from swarm_agent.coverage.absence import AbsenceWatch
+from swarm_agent.coverage.absence import AbsenceWatch, patience_under_way
 from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
 from swarm_agent.coverage.flock import Flock
@@ -19,7 +19,7 @@ from swarm_agent.coverage.surroundings import Surroundings
 from swarm_agent.coverage.telling import Telling
 from swarm_agent.coverage.travel import Travel
 from swarm_agent.coverage.unfolding import Unfolding, may_unfold
-from swarm_agent.coverage.whereabouts import located, nearest_holder, toward, upstream
+from swarm_agent.coverage.whereabouts import company, located, nearest_holder, toward, upstream
 from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
 from swarm_msgs_py.coverage_orders import CoverageOrder, decode_order, is_order
 from swarm_msgs_py.errors import FrameError, ShapeError
@@ -165,7 +165,13 @@ class CoverageAgent:
 
     def _gather(self) -> None:
         is_root = self._mission.leader == self.id
-        self._rendezvous = Rendezvous(self.id, is_root=is_root, term=self._mission.term)
+        self._rendezvous = Rendezvous(
+            self.id,
+            is_root=is_root,
+            term=self._mission.term,
+            absence_ticks=patience_under_way(self._config.protocol, self._barriers),
+            edge_ticks=int(np.ceil(self._config.range_m / (self._config.motion.speed_mps * self._period))),
+        )
         link = (1.0 - LINK_SPARE) * self._config.range_m - self._arrival
         self._board = Board(link, self._arrival, self._barriers)
         self._telling.begin(self._board)
@@ -221,7 +227,8 @@ class CoverageAgent:
         if place is None or nearest is None:
             root = self._board.get(self._root)
             leader = self._rendezvous.met if root is None else root.holder
-            return toward(around.offset(leader), self._config.motion, self._period, self._arrival)
+            offset = company(around, leader, self._board.held, self._config.range_m)
+            return toward(offset, self._config.motion, self._period, self._arrival)
         self._telling.say(Place(place.key, place.version, State.TAKEN, self.id, place.position), inputs.tick)
         self._place = place.key
         self._travel = Travel(place, self._board.held[nearest[0]].key, self._config)

@@ -31,6 +31,34 @@ def located(around: Surroundings, held: Mapping[NodeId, Place]) -> FloatArray | 
     return position
 
 
+def company(around: Surroundings, leader: NodeId, held: Mapping[NodeId, Place], link: float) -> FloatArray | None:
+    """Return the offset to whom a robot without a place stays with, (3,) [m]; None if nobody is sensed.
+
+    That is the leader, else the nearest robot at its place. Who senses neither has been left behind, alone or with others
+    that were, and looks for those to whom it is not linked.
+
+    Parameters
+    ----------
+    around : Surroundings
+    leader : NodeId
+    held : mapping
+        Who holds which place.
+    link : float
+        Robots no farther apart are linked [m].
+    """
+    offset = around.offset(leader)
+    if offset is not None:
+        return offset
+    nearest = nearest_holder(around, held)
+    if nearest is not None:
+        return nearest[1]
+    far = np.flatnonzero(around.distances >= link)
+    if not len(far):
+        return None
+    offset = around.offsets[far[np.argmin(around.distances[far])]]
+    return offset
+
+
 def upstream(
     around: Surroundings, held: Mapping[NodeId, Place], hops: Mapping[Key, int], mine: Key, link: float
 ) -> tuple[NodeId, FloatArray] | None:
