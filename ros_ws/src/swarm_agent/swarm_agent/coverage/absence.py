@@ -22,8 +22,9 @@ def patience_under_way(protocol: ProtocolConfig, barriers: Barriers) -> int:
 class AbsenceWatch:
     """Finds places whose robots have vanished.
 
-    A robot senses all others within 2 r_sc. One that holds a place well within that, or that was on its way to a place
-    well within that when last sensed, and is not sensed for some ticks, does not exist any more.
+    A robot senses all others within 2 r_sc. One that holds a place well within that, or that is on its way to a place and
+    was well within that when last sensed, and is not sensed for some ticks, does not exist any more. That it is on its way
+    may be heard after it has died.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ class AbsenceWatch:
         self._patience_under_way = patience_under_way(config.protocol, barriers)
         self._reach = config.protocol.absence_share * config.range_m
         self._missed: dict[NodeId, int] = {}
-        self._under_way: set[NodeId] = set()
+        self._inside: set[NodeId] = set()  # who was well within when last sensed
         self._near: dict[NodeId, Place] = {}
         self._traveling: dict[NodeId, Place] = {}
         self._revision = -1
@@ -57,13 +58,9 @@ class AbsenceWatch:
         """
         if board.revision != self._revision:
             self._look_up(position, board)
-        for robot in self._traveling:
-            distance = around.distance(robot)
-            if distance < self._reach:
-                self._under_way.add(robot)
-            elif np.isfinite(distance):
-                self._under_way.discard(robot)
-        expected = self._near.keys() | (self._under_way & self._traveling.keys())
+        self._inside -= around.robots.keys()
+        self._inside.update(around.ids[around.distances < self._reach].tolist())
+        expected = self._near.keys() | (self._inside & self._traveling.keys())
         missing = expected - around.robots.keys()
         self._missed = {robot: self._missed.get(robot, 0) + 1 for robot in missing}
         lost = sorted(
@@ -82,4 +79,3 @@ class AbsenceWatch:
             near &= ~self._barriers.cut(np.broadcast_to(position, places.shape), places)
         self._near = {robots[row]: board.held[robots[row]] for row in np.flatnonzero(near) if robots[row] != self._me}
         self._traveling = {place.holder: place for place in board.places(State.TAKEN) if place.holder != self._me}
-        self._under_way &= self._traveling.keys()
