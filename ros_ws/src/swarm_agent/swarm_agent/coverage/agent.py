@@ -83,7 +83,10 @@ class CoverageAgent:
         self._learn(inputs.tick, frames)
         if self._is_leading and self._order.number > self._mission.order:
             self._obey(self._order, inputs.tick)
-        velocity = self._act(inputs, frames, around) + self._flock.drift(inputs.tick)
+        velocity = self._act(inputs, frames, around)
+        if self._position is not None and self._mode is not CoverageMode.HOLDING:
+            self._position = self._position + self._period * velocity  # until it is measured again
+        velocity = velocity + self._flock.drift(inputs.tick)
         tells_tree = self._mode is CoverageMode.GATHERING or not self._mission.shape
         outbox = self._telling.outbox(
             inputs.tick,
@@ -175,7 +178,7 @@ class CoverageAgent:
         link = (1.0 - LINK_SPARE) * self._config.range_m - self._arrival
         self._board = Board(link, self._arrival, self._barriers)
         self._telling.begin(self._board)
-        self._absence = AbsenceWatch(self.id, self._config, self._barriers)
+        self._absence = AbsenceWatch(self.id, self._config, self._period, self._barriers)
         self._solid = None
         self._place: Key | None = None
         self._travel: Travel | None = None
@@ -228,6 +231,8 @@ class CoverageAgent:
             root = self._board.get(self._root)
             leader = self._rendezvous.met if root is None else root.holder
             offset = company(around, leader, self._board.held, self._config.range_m)
+            if offset is None and root is not None and self._position is not None:
+                offset = np.array(root.position) - self._position  # by dead reckoning, until somebody is sensed
             return toward(offset, self._config.motion, self._period, self._arrival)
         self._telling.say(Place(place.key, place.version, State.TAKEN, self.id, place.position), inputs.tick)
         self._place = place.key
@@ -304,7 +309,7 @@ class CoverageAgent:
         if place is None or place.holder != self.id:  # taken for dead: it is not
             version = place.version + 1 if place is not None else 0
             self._hold(self._place, version, inputs.tick)
-        for lost in self._absence.gone(self._position, self._board, around):
+        for lost in self._absence.gone(inputs.tick, self._position, self._board, around):
             # The root of all ways is filled again under any rule: whoever holds it takes the leader's place.
             refill = self._config.rule is Rule.LAYOUT or lost.key == self._root
             self._telling.say(self._board.freed(lost, State.OPEN if refill else State.WITHDRAWN), inputs.tick)

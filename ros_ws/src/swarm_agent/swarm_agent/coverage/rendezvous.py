@@ -24,8 +24,8 @@ class Rendezvous:
     before it may leave. Who travels is always on an edge whose upper end waits for it, which keeps all linked.
 
     Robots may die meanwhile. All within two ranges are sensed, so that one that is not sensed any more is gone: nobody
-    counts on it, and who was on the way to it goes to the one above it, or to others that are still there. A robot whose
-    descendants do not come as counted waits until nobody is seen to come for as long as an edge takes.
+    counts on it, and who was on the way to it goes to the one above it, or to others that are still there. A robot
+    whose descendants do not come as counted waits until nobody is seen to come for as long as an edge takes.
 
     Parameters
     ----------

@@ -34,8 +34,8 @@ def located(around: Surroundings, held: Mapping[NodeId, Place]) -> FloatArray | 
 def company(around: Surroundings, leader: NodeId, held: Mapping[NodeId, Place], link: float) -> FloatArray | None:
     """Return the offset to whom a robot without a place stays with, (3,) [m]; None if nobody is sensed.
 
-    That is the leader, else the nearest robot at its place. Who senses neither has been left behind, alone or with others
-    that were, and looks for those to whom it is not linked.
+    That is the leader, else the nearest robot at its place. Who senses neither has been left behind, alone or with
+    others that were, and looks for those to whom it is not linked.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def company(around: Surroundings, leader: NodeId, held: Mapping[NodeId, Place], 
     far = np.flatnonzero(around.distances >= link)
     if not len(far):
         return None
-    offset = around.offsets[far[np.argmin(around.distances[far])]]
-    return offset
+    to_nearest: FloatArray = around.offsets[far[np.argmin(around.distances[far])]]
+    return to_nearest
 
 
 def upstream(
