@@ -326,7 +326,7 @@ class CoverageAgent:
         self._place, self._unfolding = key, None
         self._telling.say(place, tick)
         if self._config.rule is not Rule.LAYOUT:
-            self._offers = Offers(self.id, place, self._solid, self._config, self._seed, self._barriers)
+            self._offers = Offers(self.id, place, self._root, self._solid, self._config, self._seed, self._barriers)
 
     def _station(self, inputs: CoverageInputs, around: Surroundings, place: Place) -> FloatArray:
         """Return the velocity back to the own place, if it has been left: station keeping [I4, I12].

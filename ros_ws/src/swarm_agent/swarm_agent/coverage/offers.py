@@ -6,7 +6,7 @@ import numpy as np
 
 from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
-from swarm_agent.coverage.frames import NOBODY, Place, State, on_air
+from swarm_agent.coverage.frames import NOBODY, Key, Place, State, on_air
 from swarm_agent.coverage.frontier import Frontier
 from swarm_agent.coverage.rules import choose
 from swarm_agent.coverage.sense_sphere import TOUCHING, directions_of
@@ -21,13 +21,16 @@ class Offers:
     """The frontier of one robot, and the places that it has offered for it.
 
     A place that is taken, or offered by anybody, counts as if it were held (a *reservation*), so that no two robots
-    set out for one hole. If reservations cross on the air, the later name withdraws.
+    set out for one hole. If reservations cross on the air, the later name withdraws. Robots that have no link to the
+    leader any more do not count [I10]: what they cover is offered, and who goes there links them again.
 
     Parameters
     ----------
     me : NodeId
     place : Place
         That it holds.
+    root : Key
+        The leader's place.
     solid : Solid
     config : CoverageConfig
     seed : int
@@ -39,13 +42,14 @@ class Offers:
         self,
         me: NodeId,
         place: Place,
+        root: Key,
         solid: Solid,
         config: CoverageConfig,
         seed: int,
         barriers: Barriers = OPEN_SPACE,
     ) -> None:
         self._barriers = barriers
-        self._me = me
+        self._me, self._root = me, root
         self._position = np.array(place.position)
         self._solid = solid
         self._config = config
@@ -53,8 +57,8 @@ class Offers:
         self._rng = rng_for(seed, "coverage", "offers", me)
         self._targets: dict[int, FloatArray] = {}
         self._next = 1
-        self._held: frozenset[NodeId] = frozenset()
-        self.frontier = self._fresh(Board(0.0))
+        self._linked: dict[NodeId, Place] = {}
+        self.frontier = self._fresh()
 
     def refresh(self, board: Board) -> list[Place]:
         """Bring the frontier up to date with the board; return what to say: places withdrawn and newly offered."""
@@ -67,7 +71,7 @@ class Offers:
         own_open = sum(place.key[0] == self._me and place.state is State.OPEN for place in reserved)
         points = self._uncovered(self._in_sight(self.frontier.points), reserved)
         while len(points) and own_open < limit:
-            choice = choose(self._config, self._site(board, points, reserved), self._rng)
+            choice = choose(self._config, self._site(points, reserved), self._rng)
             place = self._offer(points[choice.row], choice.place, board)
             reserved.append(place)
             said.append(place)
@@ -77,34 +81,39 @@ class Offers:
 
     def _update(self, board: Board) -> None:
         """Delete what newcomers cover; if somebody is gone, look at all samples anew."""
-        now = frozenset(board.held)
-        if self._held - now:
-            self.frontier = self._fresh(board)
+        before, self._linked = self._linked.keys(), self._linked_robots(board)
+        if before - self._linked.keys():
+            self.frontier = self._fresh()
         else:
-            for robot in sorted(now - self._held - {self._me}):
-                self.frontier.delete_within(np.array(board.held[robot].position) - self._position)
-        self._held = now
+            for robot in sorted(self._linked.keys() - before - {self._me}):
+                self.frontier.delete_within(np.array(self._linked[robot].position) - self._position)
 
-    def _fresh(self, board: Board) -> Frontier:
+    def _linked_robots(self, board: Board) -> dict[NodeId, Place]:
+        """Return who holds which place with a way to the leader; everybody, if this robot itself has none."""
+        hops = board.hops_from(self._root, over_taken=False)
+        linked = {robot: place for robot, place in board.held.items() if place.key in hops}
+        return linked if self._me in linked else dict(board.held)
+
+    def _fresh(self) -> Frontier:
         radius = self._config.range_m
         return Frontier.around(
-            self._position, self._directions, radius, self._solid, self._offsets(board, 2.0 * radius, self._position)
+            self._position, self._directions, radius, self._solid, self._offsets(2.0 * radius, self._position)
         )
 
-    def _offsets(self, board: Board, reach: float, center: FloatArray) -> FloatArray:
+    def _offsets(self, reach: float, center: FloatArray) -> FloatArray:
         """Return the places held by others within `reach` of `center`, relative to it, (m, 3)."""
-        others = [p.position for robot, p in sorted(board.held.items()) if robot != self._me]
+        others = [p.position for robot, p in sorted(self._linked.items()) if robot != self._me]
         offsets = np.array(others).reshape(-1, 3) - center
         near: FloatArray = offsets[np.linalg.norm(offsets, axis=1) < reach]
         return near
 
-    def _around(self, board: Board, own: FloatArray) -> FloatArray:
+    def _around(self, own: FloatArray) -> FloatArray:
         """Return the frontier points of robots within 3 r_sc, relative to this one; they follow from the board."""
         radius = self._config.range_m
         points = [own]
-        for offset in self._offsets(board, REACH * radius, self._position):
+        for offset in self._offsets(REACH * radius, self._position):
             center = self._position + offset
-            close = np.concatenate([self._offsets(board, 2.0 * radius, center), [-offset]])
+            close = np.concatenate([self._offsets(2.0 * radius, center), [-offset]])
             close = close[np.linalg.norm(close, axis=1) > 0.0]
             points.append(offset + Frontier.around(center, self._directions, radius, self._solid, close).points)
         return np.concatenate(points)
@@ -123,10 +132,10 @@ class Offers:
             points = points[np.linalg.norm(away, axis=1) > self._config.range_m * (1.0 + TOUCHING)]
         return points
 
-    def _site(self, board: Board, points: FloatArray, reserved: list[Place]) -> Site:
+    def _site(self, points: FloatArray, reserved: list[Place]) -> Site:
         """Return what is known around; places that are reserved count as if robots held them."""
-        around = points if self._config.rule is Rule.RANDOM else self._around(board, points)
-        others = np.concatenate([np.zeros((1, 3)), self._offsets(board, REACH * self._config.range_m, self._position)])
+        around = points if self._config.rule is Rule.RANDOM else self._around(points)
+        others = np.concatenate([np.zeros((1, 3)), self._offsets(REACH * self._config.range_m, self._position)])
         if reserved:
             places = np.array([place.position for place in reserved]) - self._position
             others = np.concatenate([others, places])
@@ -144,7 +153,8 @@ class Offers:
         """Return own offers that others have made needless."""
         needless = []
         # Targets are on the edge of the own coverage, which must not count.
-        rivals = [p for p in board.places(State.OPEN, State.TAKEN, State.HELD) if p.holder != self._me]
+        rivals = [p for p in board.places(State.OPEN, State.TAKEN) if p.holder != self._me]
+        rivals += [p for _, p in sorted(self._linked.items()) if p.holder != self._me]
         for number, target in sorted(self._targets.items()):
             place = board.get((self._me, number))
             if place is None or place.state is not State.OPEN:
