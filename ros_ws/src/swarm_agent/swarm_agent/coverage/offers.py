@@ -63,7 +63,7 @@ class Offers:
     def refresh(self, board: Board) -> list[Place]:
         """Bring the frontier up to date with the board; return what to say: places withdrawn and newly offered."""
         self._update(board)
-        said = self._withdrawals(board)
+        said = [*self._withdrawals(board), *self._stranded(board)]
         for place in said:
             board.merge(place)
         limit = 1 if self._config.expansion is Expansion.SERIAL else self._config.protocol.offers_max
@@ -161,5 +161,22 @@ class Offers:
                 continue
             others = [p for p in rivals if p.key != place.key and (p.state is not State.OPEN or p.key < place.key)]
             if not len(self._uncovered(target[None], others)):
-                needless.append(Place(place.key, place.version, State.WITHDRAWN, NOBODY, place.position))
+                needless.append(_withdrawn(place))
         return needless
+
+    def _stranded(self, board: Board) -> list[Place]:
+        """Return offers to which no way leads any more, for who made them has died or is cut off; others offer anew."""
+        hops = board.hops_from(self._root, over_taken=False)
+        if not any(place.key in hops for place in self._linked.values() if place.holder == self._me):
+            return []
+        authors = self._linked.keys()
+        return [
+            _withdrawn(place)
+            for place in board.places(State.OPEN)
+            if place.key not in hops and place.key[0] not in authors and place.key != self._root
+        ]
+
+
+def _withdrawn(place: Place) -> Place:
+    """Return the record that says that nobody is wanted at an open place."""
+    return Place(place.key, place.version, State.WITHDRAWN, NOBODY, place.position)
