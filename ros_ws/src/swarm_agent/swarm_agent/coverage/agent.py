@@ -225,7 +225,7 @@ class CoverageAgent:
 
     def _waiting(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
         """Take a place, or stay with the leader."""
-        place = self._choice(inputs) if self._solid is not None else None
+        place = self._choice(inputs.tick, around) if self._solid is not None else None
         nearest = nearest_holder(around, self._board.held) if place is not None else None
         if place is None or nearest is None:
             root = self._board.get(self._root)
@@ -250,20 +250,22 @@ class CoverageAgent:
     def _predicts(self) -> bool:
         return self._config.expansion is Expansion.PREDICTED
 
-    def _choice(self, inputs: CoverageInputs) -> Place | None:
+    def _choice(self, tick: int, around: Surroundings) -> Place | None:
         """Return the place for this robot: the k-th of the waiting ones, by descending number, gets the k-th place."""
         count = self._board.count(State.OPEN)
         if not count:
             return None
-        rank = sum(r > self.id and self._modes.get(r) is CoverageMode.WAITING for r in inputs.ids.tolist())
+        busy = {*self._board.held, *(place.holder for place in self._board.places(State.TAKEN))}
+        linked = around.ids[around.distances < self._config.range_m].tolist()
+        rank = sum(r > self.id and self._modes.get(r) is CoverageMode.WAITING and r not in busy for r in linked)
         is_serial = self._config.expansion is Expansion.SERIAL
         if rank >= count or (is_serial and (rank or self._board.count(State.TAKEN))):
             return None
         hops = self._board.hops_from(self._root, over_taken=self._predicts)
         is_open = self._board.places(State.OPEN)
-        self._open_since = {p.key: self._open_since.get(p.key, inputs.tick) for p in is_open}
+        self._open_since = {p.key: self._open_since.get(p.key, tick) for p in is_open}
         age = 0 if self._config.rule is Rule.LAYOUT or is_serial else self._config.protocol.offer_ticks
-        places = [p for p in is_open if p.key in hops and inputs.tick - self._open_since[p.key] >= age]
+        places = [p for p in is_open if p.key in hops and tick - self._open_since[p.key] >= age]
         places.sort(key=lambda place: (hops[place.key], place.key))
         return places[rank] if rank < len(places) else None
 

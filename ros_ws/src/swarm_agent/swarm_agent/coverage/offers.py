@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from swarm_agent.coverage.board import Board
@@ -49,7 +51,7 @@ class Offers:
         barriers: Barriers = OPEN_SPACE,
     ) -> None:
         self._barriers = barriers
-        self._me, self._root = me, root
+        self._me, self._key, self._root = me, place.key, root
         self._position = np.array(place.position)
         self._solid = solid
         self._config = config
@@ -62,8 +64,11 @@ class Offers:
 
     def refresh(self, board: Board) -> list[Place]:
         """Bring the frontier up to date with the board; return what to say: places withdrawn and newly offered."""
-        self._update(board)
-        said = [*self._withdrawals(board), *self._stranded(board)]
+        hops = board.hops_from(self._root, over_taken=False)
+        if self._key not in hops:  # nobody could come
+            return []
+        self._update({robot: place for robot, place in board.held.items() if place.key in hops})
+        said = [*self._withdrawals(board), *self._stranded(board, hops)]
         for place in said:
             board.merge(place)
         limit = 1 if self._config.expansion is Expansion.SERIAL else self._config.protocol.offers_max
@@ -79,20 +84,14 @@ class Offers:
             points = self._uncovered(points, [place])
         return said
 
-    def _update(self, board: Board) -> None:
+    def _update(self, linked: dict[NodeId, Place]) -> None:
         """Delete what newcomers cover; if somebody is gone, look at all samples anew."""
-        before, self._linked = self._linked.keys(), self._linked_robots(board)
-        if before - self._linked.keys():
+        before, self._linked = self._linked.keys(), linked
+        if before - linked.keys():
             self.frontier = self._fresh()
         else:
-            for robot in sorted(self._linked.keys() - before - {self._me}):
-                self.frontier.delete_within(np.array(self._linked[robot].position) - self._position)
-
-    def _linked_robots(self, board: Board) -> dict[NodeId, Place]:
-        """Return who holds which place with a way to the leader; everybody, if this robot itself has none."""
-        hops = board.hops_from(self._root, over_taken=False)
-        linked = {robot: place for robot, place in board.held.items() if place.key in hops}
-        return linked if self._me in linked else dict(board.held)
+            for robot in sorted(linked.keys() - before - {self._me}):
+                self.frontier.delete_within(np.array(linked[robot].position) - self._position)
 
     def _fresh(self) -> Frontier:
         radius = self._config.range_m
@@ -164,16 +163,12 @@ class Offers:
                 needless.append(_withdrawn(place))
         return needless
 
-    def _stranded(self, board: Board) -> list[Place]:
+    def _stranded(self, board: Board, hops: Mapping[Key, int]) -> list[Place]:
         """Return offers to which no way leads any more, for who made them has died or is cut off; others offer anew."""
-        hops = board.hops_from(self._root, over_taken=False)
-        if not any(place.key in hops for place in self._linked.values() if place.holder == self._me):
-            return []
-        authors = self._linked.keys()
         return [
             _withdrawn(place)
             for place in board.places(State.OPEN)
-            if place.key not in hops and place.key[0] not in authors and place.key != self._root
+            if place.key not in hops and place.key[0] not in self._linked and place.key != self._root
         ]
 
 

@@ -30,7 +30,7 @@ class Telling:
         """Speak of another board from now on: a swarm that gathers again begins with an empty one."""
         self._board = board
         self._news: dict[Key, Place] = {}
-        self._differs = False
+        self._differs = self._is_due = False
         self._changed_at = 0
 
     def hear(self, tick: int, frame: Frame, *, passes_on: bool, answers: bool) -> None:
@@ -92,12 +92,15 @@ class Telling:
             Whether the robot has begun something else.
         """
         protocol = self._protocol
-        beats = (tick + self._me) % protocol.heartbeat_ticks == 0 and mode is not CoverageMode.GATHERING
+        # A beat that falls among news is late, not left out: news that come as often as beats would hide a difference.
+        self._is_due |= (tick + self._me) % protocol.heartbeat_ticks == 0
+        beats = self._is_due and mode is not CoverageMode.GATHERING
         asks, self._differs = self._differs, False
         if asks:  # a robot that knows nothing is answered with everything
             self._news = {place.key: place for place in self._board.everything()}
             self._tells_mission = mission.term > 1
         heartbeat = asks or (beats and self._is_quiet(tick))
+        self._is_due &= not heartbeat
         frames, self._orders = self._orders, []
         if has_changed or tree or self._news or self._tells_mission or heartbeat:
             news = tuple(self._news[key] for key in sorted(self._news))
