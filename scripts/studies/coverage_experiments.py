@@ -17,7 +17,7 @@ from bringup.option_types import OneLineParser, complain, number, whole
 from studies.campaign import ResultFile
 from studies.campaign_folder import locked, open_results
 from studies.coverage_growth import GROWTH_HEADER, growth
-from studies.coverage_mission import CoverageMission
+from studies.coverage_mission import CoverageMission, Event
 from studies.coverage_plans import PLAN_HEADER, plan_row
 from swarm_agent.coverage.config import CoverageConfig, Expansion, MotionConfig, Rule
 from swarm_msgs_py.errors import ConfigError
@@ -38,6 +38,8 @@ EXPERIMENTS: dict[str, tuple[dict[str, Any], float]] = {
 
 EXACT, NOISY = 0.95, 0.90  # placement without and with process noise [I13]
 TICKS_MAX = 3000
+DEATHS_UNTIL = 130
+"""With `--deaths`, robots die in ticks before this: while they gather, wait, travel, and hold their places."""
 HEADER = (
     "experiment  rule    expansion  seeds done robots       rendezvous  expansion      lost links  covered"
     "  wall              CPU"
@@ -125,18 +127,22 @@ def _key(arguments: argparse.Namespace, name: str, seed: int) -> str:
     numbers = [f"{what}={getattr(arguments, what):g}" for what in ("sigma", "offset_sigma", "kill", "robots")]
     drifts = ["drifts"] if arguments.drifts else []
     placed = [] if arguments.placement is None else [f"placement={arguments.placement:g}"]
-    return " ".join([name, arguments.rule, arguments.expansion, *numbers, *drifts, *placed, f"seed={seed}"])
+    deaths = [f"deaths={arguments.deaths:g}"] if arguments.deaths else []
+    return " ".join([name, arguments.rule, arguments.expansion, *numbers, *drifts, *placed, *deaths, f"seed={seed}"])
 
 
 def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed: int) -> Trial:
-    """Run one mission; with `--kill`, that share of the placed followers dies once the shape is covered."""
+    """Run one mission; with `--kill`, that share of the placed followers dies once the shape is covered.
+
+    With `--deaths`, that share of all followers dies on the way there, each in a tick of its own.
+    """
     shape, radius = EXPERIMENTS[name]
     rule, expansion = Rule(arguments.rule), Expansion(arguments.expansion)
     agents, world = settings_of(name, rule, expansion, arguments.sigma, arguments.offset_sigma)
     agents = _placed(agents, arguments)
     wall, cpu = time.perf_counter(), time.process_time()
     mission = CoverageMission(shape, agents, replace(world, drifts=arguments.drifts), arguments.robots, seed)
-    outcome = mission.run(TICKS_MAX)
+    outcome = mission.run(TICKS_MAX, _deaths(arguments, seed))
     before, count = set(mission.watch.holders), 0
     if arguments.kill:
         placed = sorted(before - {LEADER})
@@ -160,6 +166,23 @@ def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed:
         errors.chains.tolist(),
         errors.localization.tolist(),
     )
+
+
+def _deaths(arguments: argparse.Namespace, seed: int) -> Event:
+    """Return the event that ends some followers, each in its tick."""
+    rng = rng_for(seed, "coverage", "deaths")
+    victims = rng.choice(
+        np.arange(1, arguments.robots), round(arguments.deaths * (arguments.robots - 1)), replace=False
+    )
+    ticks = rng.integers(1, DEATHS_UNTIL, len(victims))
+
+    def strike(mission: CoverageMission) -> None:
+        if len(victims) and mission.world.tick < DEATHS_UNTIL:
+            mission.watch.expect()  # for there is more to come
+        if struck := victims[ticks == mission.world.tick].tolist():
+            mission.kill(struck)
+
+    return strike
 
 
 def row(name: str, arguments: argparse.Namespace, done: Sequence[Trial]) -> str:
@@ -219,6 +242,12 @@ def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seeds", type=whole(1, 10_000), default=20, help="seeds 0 to N - 1")
     parser.add_argument("--robots", type=whole(1, 10_000), default=100, help="the leader included")
     parser.add_argument("--kill", type=number(0.0, 1.0), default=0.0, help="share of the placed followers that die")
+    parser.add_argument(
+        "--deaths",
+        type=number(0.0, 1.0),
+        default=0.0,
+        help=f"share of the followers that die at any moment of the first {DEATHS_UNTIL} s",
+    )
     parser.add_argument("--drifts", action="store_true", help="noise moves robots at rest as well")
     parser.add_argument(
         "--placement",
@@ -283,5 +312,8 @@ def _tell(arguments: argparse.Namespace, results: ResultFile) -> None:
         print(row(name, arguments, done), flush=True)
         if arguments.kill:
             print(repair(done), flush=True)
+        if arguments.deaths:
+            pieces, least = max(trial.components for trial in done), min(trial.covered for trial in done)
+            print(f"            covered {least:.5f} min, {pieces} component(s) at most", flush=True)
         if arguments.offset_sigma:
             print(steps(done, arguments.offset_sigma), flush=True)

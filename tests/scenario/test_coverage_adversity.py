@@ -108,6 +108,31 @@ def test_robots_that_die_while_waiting_or_under_way_leave_no_hole() -> None:
     assert covered(outcome.positions) >= 0.998
 
 
+@pytest.mark.parametrize(
+    ("rule", "expansion", "seed"),
+    [
+        (Rule.LAYOUT, Expansion.PREDICTED, 7),
+        (Rule.GAIN, Expansion.PARALLEL, 12),
+        (Rule.RANDOM, Expansion.PARALLEL, 1),
+    ],
+)
+def test_robots_that_die_at_any_moment_leave_one_swarm_without_a_hole(
+    rule: Rule, expansion: Expansion, seed: int
+) -> None:
+    swarm, until = mission(rule, expansion, seed=seed, robots=40), 90
+    rng = np.random.default_rng(seed)
+    victims, ticks = rng.choice(np.arange(1, 40), 18, replace=False), rng.integers(2, until, 18)
+
+    while swarm.world.tick < 700 and not (swarm.watch.is_over and swarm.world.tick > until):
+        if (ticks == swarm.world.tick).any():
+            swarm.kill(victims[ticks == swarm.world.tick].tolist())
+        swarm.tick()
+
+    assert swarm.watch.is_over
+    assert swarm.watch.components == 1
+    assert covered(swarm.outcome().positions) >= 0.998
+
+
 def test_what_is_no_frame_is_dropped() -> None:
     swarm = mission(seed=3)
     seen = swarm.world.observe().agents[LEADER]

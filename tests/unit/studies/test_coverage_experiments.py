@@ -23,6 +23,14 @@ def test_the_study_prints_a_row_per_experiment_and_goes_on_where_it_was(
     assert len((tmp_path / "results.jsonl").read_text(encoding="utf-8").splitlines()) == 1
 
 
+def test_deaths_on_the_way_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--experiment", "box", "--seeds", "1", "--robots", "40", "--deaths", "0.5"]) == 0
+
+    _, row, told = capsys.readouterr().out.splitlines()
+    assert row.split()[:5] == ["box", "layout", "predicted", "1", "1"]
+    assert told.split()[2:] == ["min,", "1", "component(s)", "at", "most"]
+
+
 def test_a_folder_that_cannot_be_written_is_refused_in_one_line(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
