@@ -184,7 +184,6 @@ class CoverageAgent:
         self._travel: Travel | None = None
         self._unfolding: Unfolding | None = None
         self._offers: Offers | None = None
-        self._offered_at = -1
         self._open_since: dict[Key, int] = {}
 
     # -- acting ----------------------------------------------------------------------------------------------------
@@ -315,9 +314,8 @@ class CoverageAgent:
             # The root of all ways is filled again under any rule: whoever holds it takes the leader's place.
             refill = self._config.rule is Rule.LAYOUT or lost.key == self._root
             self._telling.say(self._board.freed(lost, State.OPEN if refill else State.WITHDRAWN), inputs.tick)
-        if self._offers is not None and self._board.revision != self._offered_at:
-            self._telling.tell(self._offers.refresh(self._board), inputs.tick)
-            self._offered_at = self._board.revision
+        if self._offers is not None:
+            self._telling.tell(self._offers.refresh(inputs.tick, self._board), inputs.tick)
         return AT_REST if place is None else self._station(inputs, around, place)
 
     def _hold(self, key: Key, version: int, tick: int) -> None:

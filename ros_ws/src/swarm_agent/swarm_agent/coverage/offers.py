@@ -18,6 +18,8 @@ from swarm_msgs_py.geometry.solids.solid import Solid
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray, NodeId
 
+STRANDED_BEATS = 2  # for so many heartbeats there must be no way to an offer until it is withdrawn
+
 
 class Offers:
     """The frontier of one robot, and the places that it has offered for it.
@@ -60,15 +62,27 @@ class Offers:
         self._targets: dict[int, FloatArray] = {}
         self._next = 1
         self._linked: dict[NodeId, Place] = {}
+        self._patience = STRANDED_BEATS * config.protocol.heartbeat_ticks
+        self._stranded: dict[Key, int] = {}  # since when there is no way to offers of robots that are gone
+        self._revision = -1
         self.frontier = self._fresh()
 
-    def refresh(self, board: Board) -> list[Place]:
+    def refresh(self, tick: int, board: Board) -> list[Place]:
         """Bring the frontier up to date with the board; return what to say: places withdrawn and newly offered."""
+        overdue = [key for key, since in self._stranded.items() if tick - since >= self._patience]
+        if board.revision == self._revision and not overdue:
+            return []
+        said = self._refreshed(tick, board)
+        self._revision = board.revision
+        return said
+
+    def _refreshed(self, tick: int, board: Board) -> list[Place]:
         hops = board.hops_from(self._root, over_taken=False)
         if self._key not in hops:  # nobody could come
+            self._stranded = {}
             return []
         self._update({robot: place for robot, place in board.held.items() if place.key in hops})
-        said = [*self._withdrawals(board), *self._stranded(board, hops)]
+        said = [*self._withdrawals(board), *self._given_up(tick, board, hops)]
         for place in said:
             board.merge(place)
         limit = 1 if self._config.expansion is Expansion.SERIAL else self._config.protocol.offers_max
@@ -142,6 +156,8 @@ class Offers:
 
     def _offer(self, target: FloatArray, offset: FloatArray, board: Board) -> Place:
         position = on_air(self._position + offset)
+        while board.get((self._me, self._next)) is not None:  # by itself, before it was taken for dead
+            self._next += 1
         place = Place((self._me, self._next), 0, State.OPEN, NOBODY, position)
         self._targets[self._next] = target
         self._next += 1
@@ -163,13 +179,18 @@ class Offers:
                 needless.append(_withdrawn(place))
         return needless
 
-    def _stranded(self, board: Board, hops: Mapping[Key, int]) -> list[Place]:
-        """Return offers to which no way leads any more, for who made them has died or is cut off; others offer anew."""
-        return [
-            _withdrawn(place)
+    def _given_up(self, tick: int, board: Board, hops: Mapping[Key, int]) -> list[Place]:
+        """Return offers to which no way leads any more, for who made them has died or is cut off; others offer anew.
+
+        That must last, because boards differ for a while: offers that come and go would keep them from being compared.
+        """
+        stranded = {
+            place.key: place
             for place in board.places(State.OPEN)
             if place.key not in hops and place.key[0] not in self._linked and place.key != self._root
-        ]
+        }
+        self._stranded = {key: self._stranded.get(key, tick) for key in stranded}
+        return [_withdrawn(stranded[key]) for key, since in self._stranded.items() if tick - since >= self._patience]
 
 
 def _withdrawn(place: Place) -> Place:
