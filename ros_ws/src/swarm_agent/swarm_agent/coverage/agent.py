@@ -14,10 +14,12 @@ from swarm_agent.coverage.flock import Flock
 from swarm_agent.coverage.frames import NOBODY, Frame, Key, Mission, Place, State, decode, on_air
 from swarm_agent.coverage.leading import Leading
 from swarm_agent.coverage.offers import Offers
+from swarm_agent.coverage.release import Release
 from swarm_agent.coverage.rendezvous import INFINITE, Rendezvous
 from swarm_agent.coverage.surroundings import Surroundings
 from swarm_agent.coverage.telling import Telling
 from swarm_agent.coverage.travel import Travel
+from swarm_agent.coverage.turns import Turns
 from swarm_agent.coverage.unfolding import Unfolding, may_unfold
 from swarm_agent.coverage.whereabouts import company, located, nearest_holder, toward, upstream
 from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
@@ -184,7 +186,8 @@ class CoverageAgent:
         self._travel: Travel | None = None
         self._unfolding: Unfolding | None = None
         self._offers: Offers | None = None
-        self._open_since: dict[Key, int] = {}
+        self._release: Release | None = None
+        self._turns = Turns(self.id, self._config)
 
     # -- acting ----------------------------------------------------------------------------------------------------
 
@@ -224,7 +227,11 @@ class CoverageAgent:
 
     def _waiting(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
         """Take a place, or stay with the leader."""
-        place = self._choice(inputs.tick, around) if self._solid is not None else None
+        if self._travel is not None:
+            return self._returning(self._travel, around)
+        place = None
+        if self._solid is not None:
+            place = self._turns.place(inputs.tick, around, self._modes, self._board, self._root)
         nearest = nearest_holder(around, self._board.held) if place is not None else None
         if place is None or nearest is None:
             root = self._board.get(self._root)
@@ -248,25 +255,6 @@ class CoverageAgent:
     @property
     def _predicts(self) -> bool:
         return self._config.expansion is Expansion.PREDICTED
-
-    def _choice(self, tick: int, around: Surroundings) -> Place | None:
-        """Return the place for this robot: the k-th of the waiting ones, by descending number, gets the k-th place."""
-        count = self._board.count(State.OPEN)
-        if not count:
-            return None
-        busy = {*self._board.held, *(place.holder for place in self._board.places(State.TAKEN))}
-        linked = around.ids[around.distances < self._config.range_m].tolist()
-        rank = sum(r > self.id and self._modes.get(r) is CoverageMode.WAITING and r not in busy for r in linked)
-        is_serial = self._config.expansion is Expansion.SERIAL
-        if rank >= count or (is_serial and (rank or self._board.count(State.TAKEN))):
-            return None
-        hops = self._board.hops_from(self._root, over_taken=self._predicts)
-        is_open = self._board.places(State.OPEN)
-        self._open_since = {p.key: self._open_since.get(p.key, tick) for p in is_open}
-        age = 0 if self._config.rule is Rule.LAYOUT or is_serial else self._config.protocol.offer_ticks
-        places = [p for p in is_open if p.key in hops and tick - self._open_since[p.key] >= age]
-        places.sort(key=lambda place: (hops[place.key], place.key))
-        return places[rank] if rank < len(places) else None
 
     def _traveling(self, inputs: CoverageInputs, around: Surroundings) -> FloatArray:
         """Follow the way; on arrival switch the sensor on (Algorithm 2)."""
@@ -316,6 +304,8 @@ class CoverageAgent:
             self._telling.say(self._board.freed(lost, State.OPEN if refill else State.WITHDRAWN), inputs.tick)
         if self._offers is not None:
             self._telling.tell(self._offers.refresh(inputs.tick, self._board), inputs.tick)
+        if place is not None and self._release is not None and self._release.is_due(inputs.tick, self._board):
+            return self._leave(inputs.tick, place, around)
         return AT_REST if place is None else self._station(inputs, around, place)
 
     def _hold(self, key: Key, version: int, tick: int) -> None:
@@ -327,6 +317,30 @@ class CoverageAgent:
         self._telling.say(place, tick)
         if self._config.rule is not Rule.LAYOUT:
             self._offers = Offers(self.id, place, self._root, self._solid, self._config, self._seed, self._barriers)
+        if self._config.rule is Rule.GAIN:
+            self._release = Release(key, self._root, self._solid, self._config)
+
+    def _leave(self, tick: int, place: Place, around: Surroundings) -> FloatArray:
+        """Give up a place that the others do without, and set out for the leader."""
+        self._telling.say(replace(place, state=State.NEEDLESS), tick)
+        self._stray()
+        self._offers = self._release = None
+        nearest, root = nearest_holder(around, self._board.held), self._board.get(self._root)
+        if nearest is not None and root is not None:
+            self._travel = Travel(root, self._board.held[nearest[0]].key, self._config)
+        return AT_REST
+
+    def _returning(self, travel: Travel, around: Surroundings) -> FloatArray:
+        """Go over places that are held until the leader is near enough to go straight to it."""
+        here = located(around, self._board.held)
+        self._position = self._position if here is None else here
+        assert self._position is not None
+        target = travel.target(self._position, self._board, around)
+        away = float(np.linalg.norm(np.array(travel.goal.position) - self._position))
+        if target is None or away <= self._config.placement * self._config.range_m:
+            self._travel = None
+            return AT_REST
+        return toward(target - self._position, self._config.motion, self._period)
 
     def _station(self, inputs: CoverageInputs, around: Surroundings, place: Place) -> FloatArray:
         """Return the velocity back to the own place, if it has been left: station keeping [I4, I12].
@@ -360,7 +374,9 @@ class CoverageAgent:
 
     def _report(self) -> CoverageReport:
         place = self._board.get(self._place) if self._place is not None else None
-        settled = self._mode is CoverageMode.HOLDING or self._mode is CoverageMode.WAITING
+        settled = (self._mode is CoverageMode.WAITING and self._travel is None) or (
+            self._mode is CoverageMode.HOLDING and (self._release is None or self._release.is_decided)
+        )
         left = self._board.count(State.OPEN) + self._board.count(State.TAKEN)
         return CoverageReport(
             mode=self._mode,

@@ -40,6 +40,8 @@ class Board:
 
     Attributes
     ----------
+    link : float
+    barriers : Barriers
     digest : int
         Fingerprint of all records, 32 bits.
     revision : int
@@ -47,7 +49,7 @@ class Board:
     """
 
     def __init__(self, link: float, spare: float = 0.0, barriers: Barriers = OPEN_SPACE) -> None:
-        self._link, self._spare = link, spare
+        self.link, self._spare = link, spare
         self.barriers = barriers
         self._places: dict[Key, Place] = {}
         self._in_state: dict[State, dict[Key, Place]] = {state: {} for state in State}
@@ -152,7 +154,7 @@ class Board:
 
     def _search(self, root: Key, *, over_taken: bool, by_length: bool) -> Search:
         places = tuple(self.places(State.OPEN, State.TAKEN, State.HELD))
-        return _search(places, root, self._link, self._spare, self.barriers, over_taken, by_length)
+        return _search(places, root, self.link, self._spare, self.barriers, over_taken, by_length)
 
 
 @lru_cache(maxsize=64)

@@ -35,6 +35,7 @@ class State(IntEnum):
     WITHDRAWN = 1  # does not call back a robot that has set out in the meantime
     TAKEN = 2
     HELD = 3
+    NEEDLESS = 4  # its robot has left it: the others cover the shape, and are linked, without it
 
 
 _STATES = frozenset(map(int, State))
@@ -51,7 +52,7 @@ class Place:
         Raised when a place becomes free again.
     state : State
     holder : NodeId
-        Who has taken or holds it; `NOBODY` otherwise.
+        Who has taken, holds or has left it; `NOBODY` otherwise.
     position : tuple of float
         Where it is, x, y, z [m]; once held, where the holder stands.
     """
