@@ -43,11 +43,15 @@ class Manner:
         Base of the exponential in which a boat's expected arrival counts: the larger, the more the last boat matters.
     noise : float
         Weight of chance among choices, relative to the score of one step of the last boat.
+    keeps_order : bool
+        Whether groups never move up all around a ring within one step. Boats that are late by any time must be able to
+        wait for each other (`waits_in_ring`), and in a ring nobody could be the first.
     """
 
     cut_weight: float = 0.5
     steepness: float = 2.0
     noise: float = 0.1
+    keeps_order: bool = False
 
 
 @dataclass(slots=True, eq=False)
@@ -73,8 +77,22 @@ class _Round:
     """What groups have chosen in this step so far."""
 
     chosen: dict[int, _Choice] = field(default_factory=dict)
+    after: dict[int, set[int]] = field(default_factory=dict)  # groups that must have left before each one comes
     log: list[int] = field(default_factory=list)
     requests: int = 0
+
+    def closes_ring(self, number: int) -> bool:
+        """Return whether a group that has chosen waits for itself, over others that have."""
+        seen: set[int] = set()
+        border = list(self.after[number])
+        while border:
+            other = border.pop()
+            if other == number:
+                return True
+            if other not in seen:
+                seen.add(other)
+                border.extend(self.after.get(other, ()))
+        return False
 
 
 class Disassembly:
@@ -114,6 +132,11 @@ class Disassembly:
         self._next = [-1] * self.lattice.count  # group that will be there
         self.history = [list(self._groups[0].cells)]
         self.cuts: dict[Part, Cut] = {}
+
+    @property
+    def keeps_order(self) -> bool:
+        """See `Manner.keeps_order`."""
+        return self._manner.keeps_order
 
     @property
     def is_clear(self) -> bool:
@@ -228,6 +251,9 @@ class Disassembly:
                 continue
             mark = len(state.log)
             self._commit(number, choice, state)
+            if self._manner.keeps_order and state.closes_ring(number):
+                self._undo(mark, state)
+                continue
             state.requests += len(in_way)
             if all(other in state.chosen or self._choose(other, state) for other in in_way):
                 return True
@@ -254,9 +280,15 @@ class Disassembly:
         for group in choice.results:
             for cell in group.cells:
                 self._next[cell] = number
+        if self._manner.keeps_order:
+            near = (
+                self._now[cell + step] for group in choice.results for cell in group.cells for step in self.lattice.near
+            )
+            state.after[number] = {other for other in near if other not in {-1, number}}
 
     def _undo(self, mark: int, state: _Round) -> None:
         for number in state.log[mark:]:
+            state.after.pop(number, None)
             for group in state.chosen.pop(number).results:
                 for cell in group.cells:
                     self._next[cell] = -1

@@ -36,10 +36,14 @@ class HomingLimits:
         Orders of priority that are tried.
     detour : int
         Steps beyond the longest straight way that a boat may take.
+    keeps_order : bool
+        Whether nobody comes to where one of higher priority still was in the step before; then no ring of groups moves
+        up within one step (see `Manner.keeps_order`).
     """
 
     attempts: int = 40
     detour: int = 40
+    keeps_order: bool = False
 
 
 class SpaceTime:
@@ -126,17 +130,22 @@ class SpaceTime:
             if all(1 <= i < n - 1 for i, n in zip(self._index(c), (columns, rows), strict=True))
         ]
 
-    def reserve(self, path: IntArray) -> None:
-        """Take a path's cells and what is too near to them, the last one to the end."""
+    def reserve(self, path: IntArray, *, lingers: bool = False) -> None:
+        """Take a path's cells and what is too near to them, the last one to the end.
+
+        What lingers is taken for one more step each.
+        """
         padded = np.concatenate([path, np.repeat(path[-1:], max(0, self._steps + 1 - len(path)), axis=0)])
         x = padded[:, 0] - self._origin[0] + 1
         y = padded[:, 1] - self._origin[1] + 1
         steps = np.arange(self._steps + 1)
         for dx in range(-REACH, REACH + 1):
             for dy in range(-REACH, REACH + 1):
-                self._taken[steps, x + dx, y + dy] = True
-                if self._by_boats is not None:
-                    self._by_boats[steps, x + dx, y + dy] = True
+                for taken in (self._taken, self._by_boats):
+                    if taken is not None:
+                        taken[steps, x + dx, y + dy] = True
+                        if lingers:
+                            taken[steps[1:], (x + dx)[:-1], (y + dy)[:-1]] = True
 
     def _index(self, cell: Cell) -> Cell:
         return cell[0] - self._origin[0] + 1, cell[1] - self._origin[1] + 1
@@ -216,7 +225,7 @@ def plan_homing(  # noqa: PLR0913, PLR0917 - a whole problem of its own
             for boat, offset in zip(crew, offsets, strict=True):
                 paths[boat] = path + np.array(offset)
             for boat in crew:
-                space.reserve(paths[boat])
+                space.reserve(paths[boat], lingers=limits.keeps_order)
         done = next((place for place, number in enumerate(order) if crews[number][0] not in paths), len(order))
         late = order[done] if done < len(order) else max(order, key=lambda number: len(paths[crews[number][0]]))
         if done == len(order):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from swarm_msgs_py.types import IntArray
 
 CUT_WEIGHTS = (1.0, 0.5, 1.5, 2.0)
 """Manners of coming apart, tried in turn: no single one is best for all structures."""
+POOR = 2.0
+"""Plans of more steps than so many times those of the longest straight way are poor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +40,8 @@ class TimedLimits:
     attempts : int
         Disassemblies that are tried.
     boats : int
-        Attempts times boats that are enough: large structures take long, and are tried less often.
+        Attempts times boats that are enough: large structures take long, and are tried less often once there is a plan
+        that is not poor.
     good_enough : int
         Steps beyond the longest straight way with which the search is content.
     """
@@ -62,18 +66,26 @@ def plan_timed_paths(
     limits : TimedLimits
     """
     best: TimedPlan | None = None
+    has_ring = False
     wanted = dispatch.longest_travel(problem) + limits.good_enough
-    attempts = max(2, min(limits.attempts, limits.boats // problem.target_count))
-    for attempt in range(attempts):
-        manner = Manner(cut_weight=CUT_WEIGHTS[attempt % len(CUT_WEIGHTS)])
+    enough = max(2, limits.boats // problem.target_count)
+    for attempt, keeps_order in product(range(limits.attempts), (False, True)):
+        if attempt >= enough and best is not None and best.paths.steps <= POOR * wanted:
+            break
+        if keeps_order and not has_ring:
+            continue  # it is slower, and only called for where there was a ring
+        weight = CUT_WEIGHTS[attempt % len(CUT_WEIGHTS)]
+        manner = Manner(cut_weight=weight, keeps_order=keeps_order)
         disassembly = Disassembly(problem, dispatch, forest, manner, rng_for(seed, "disassembly", attempt))
         steps_max = best.paths.steps - 1 if best is not None else 4 * wanted + 20
         backward = _come_apart(problem, dispatch, disassembly, steps_max)
+        has_ring = False
         if backward is None:
             continue
         paths = TimedPaths(_forward(problem, dispatch, backward))
         tree = tree_of((1 << problem.target_count) - 1, disassembly.cuts)
-        if not waits_in_ring(problem, dispatch, tree, paths):
+        has_ring = waits_in_ring(problem, dispatch, tree, paths)
+        if not has_ring:
             best = TimedPlan(paths, tree)
             if paths.steps <= wanted:
                 break
@@ -95,7 +107,9 @@ def _come_apart(
     here: list[Cell] = [disassembly.lattice.cell(number) for number in disassembly.history[-1]]
     goals = [problem.starts[boat] for boat in dispatch.boats]
     idle = [*(problem.starts[boat] for boat in dispatch.idle(problem)), *problem.obstacles]
-    homing = plan_homing(problem, idle, here, goals, HomingLimits(), disassembly.groups)
+    homing = plan_homing(
+        problem, idle, here, goals, HomingLimits(keeps_order=disassembly.keeps_order), disassembly.groups
+    )
     if homing is None:
         return None
     backward = np.concatenate([_cells(disassembly), homing[1:]])
