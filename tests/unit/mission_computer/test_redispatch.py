@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from assembly_problems import ALL_SIDES, block, problem_of
 
-from mission_computer.assembly.redispatch import Midway, plan_rest
+from mission_computer.assembly.redispatch import Midway, Rest, plan_rest
 from mission_computer.assembly.timed_plan import TimedLimits
 from swarm_msgs_py.assembly.plan import AssemblyPlan, Dispatch
 from swarm_msgs_py.assembly.problem import CLEARANCE, AssemblyProblem
@@ -23,8 +23,8 @@ def midway(starts: list[tuple[int, int]], groups: tuple[tuple[int, ...], ...], d
     return Midway(stopped, Dispatch((0, 1, 2, 3), (0,) * 4), groups, dead)
 
 
-def checked(rest: tuple[AssemblyProblem, AssemblyPlan]) -> tuple[AssemblyProblem, AssemblyPlan]:
-    problem, plan = rest
+def checked(rest: Rest) -> tuple[AssemblyProblem, AssemblyPlan]:
+    problem, plan = rest.problem, rest.plan
     assert plan.paths is not None
     audit = audit_assembly(problem, plan.dispatch, plan.paths.cells)
     assert not [line for line in audit.violations if not line.startswith("step 0")]

@@ -11,6 +11,7 @@ infeasible there is no dispatch that can be put together pairwise along straight
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ortools.sat.python import cp_model
@@ -65,11 +66,6 @@ class DispatchModel:
         if not structure.is_atom(structure.whole):
             self._model.add(self._add_part(structure.whole) == 1)
 
-    def fix(self, boat: int, target: int) -> None:
-        """Let a boat stand at a target, turned as it is: it is docked there already."""
-        self._model.add(self._takes[boat, target] == 1)
-        self._model.add(self._stands[target][self._problem.layouts[boat]] == 1)
-
     def minimize_travel(self) -> None:
         """Ask for the least total travel."""
         self._model.minimize(sum(self._problem.travel(*pair) * takes for pair, takes in self._takes.items()))
@@ -85,11 +81,7 @@ class DispatchModel:
 
     def solve(self, limits: SolverLimits) -> Solution:
         """Return a dispatch, or whether there is a proof that none exists."""
-        solver = cp_model.CpSolver()
-        solver.parameters.num_workers = 1
-        solver.parameters.catch_sigint_signal = False  # it would leave the process without a handler of its own
-        solver.parameters.random_seed = limits.seed
-        solver.parameters.max_deterministic_time = limits.work
+        solver = new_solver(limits)
         status = solver.solve(self._model)
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
             return Solution(None, status == cp_model.INFEASIBLE)
@@ -137,16 +129,17 @@ class DispatchModel:
 
     def _add_contact(self, contact: Contact) -> None:
         """Let a contact be docked only if the sides that meet join."""
-        ways = []
-        for one, other in self._problem.gender.pairs:
-            way = self._model.new_bool_var("")
-            for target, face, side in ((contact.one, contact.face, one), (contact.other, contact.face.opposite, other)):
-                equipped = [variable for layout, variable in self._stands[target].items() if layout[face] == side]
-                self._model.add_bool_or([*equipped, way.negated()])
-            ways.append(way)
-        docked = self._model.new_bool_var("")
-        self._model.add_bool_or([*ways, docked.negated()])
-        self._docked[contact] = docked
+        sides = (contact.one, contact.face), (contact.other, contact.face.opposite)
+        self._docked[contact] = add_dock(
+            self._model,
+            [
+                tuple(
+                    [variable for layout, variable in self._stands[target].items() if layout[face] == side]
+                    for (target, face), side in zip(sides, pair, strict=True)
+                )
+                for pair in self._problem.gender.pairs
+            ],
+        )
 
     def _add_part(self, part: Part) -> cp_model.IntVar:
         """Return the variable that says whether a part of more than one cell is used."""
@@ -166,6 +159,36 @@ class DispatchModel:
             choices.append(chosen)
         self._model.add_bool_or([*choices, used.negated()])
         return used
+
+
+def new_solver(limits: SolverLimits) -> cp_model.CpSolver:
+    """Return a solver that does the same work for equal problems, on any machine."""
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.catch_sigint_signal = False  # it would leave the process without a handler of its own
+    solver.parameters.random_seed = limits.seed
+    solver.parameters.max_deterministic_time = limits.work
+    return solver
+
+
+def add_dock(model: cp_model.CpModel, ways: Sequence[Sequence[Sequence[cp_model.IntVar]]]) -> cp_model.IntVar:
+    """Return a variable that may be true only if the sides that meet at a contact join.
+
+    Parameters
+    ----------
+    model : CpModel
+    ways : sequence of pairs of sequences of variables
+        For each pair of sides that join: what brings the one to the contact, and what the other.
+    """
+    joined = []
+    for pair in ways:
+        way = model.new_bool_var("")
+        for bringing in pair:
+            model.add_bool_or([*bringing, way.negated()])
+        joined.append(way)
+    docked = model.new_bool_var("")
+    model.add_bool_or([*joined, docked.negated()])
+    return docked
 
 
 def turns_to(layout: Layout, wanted: Layout) -> int:

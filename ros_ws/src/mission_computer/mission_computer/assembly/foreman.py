@@ -19,7 +19,7 @@ import numpy as np
 
 from mission_computer.assembly.dock_faults import Side, broken_sides
 from mission_computer.assembly.found_ways import FoundWays
-from mission_computer.assembly.redispatch import Midway, plan_rest
+from mission_computer.assembly.redispatch import Midway, NothingToAddError, plan_rest
 from mission_computer.assembly.timed_plan import TimedLimits
 from swarm_msgs_py.assembly.boat_frames import BoatFrame
 from swarm_msgs_py.assembly.docking import docked_contacts
@@ -28,7 +28,6 @@ from swarm_msgs_py.assembly.plan import AssemblyPlan, TimedPaths
 from swarm_msgs_py.assembly.precedence import crews_of, turning_step
 from swarm_msgs_py.assembly.problem import AssemblyProblem
 from swarm_msgs_py.assembly.progress_frames import ProgressFrame
-from swarm_msgs_py.errors import NoDispatchError
 
 STALL_TICKS = 60
 """Boats that find their ways by themselves are helped when nobody has moved for so long: three of their steps."""
@@ -106,6 +105,7 @@ class Foreman:
         self._found_ways = FoundWays(problem, plan)
         self._state = ForemanState.WATCHING
         self._settled = 0
+        self._is_largest = False  # of what the present plan builds
         self._notes: list[str] = []
         self._turned = [0] * problem.boat_count  # quarter turns since the start, before those of the present plan
         self._held: set[Side] = set()
@@ -201,11 +201,13 @@ class Foreman:
             self._state = ForemanState.GAVE_UP
             return
         try:
-            self.problem, self.plan = plan_rest(self._midway(tick), self._seed + self.epoch, self._limits)
-        except NoDispatchError as error:
+            rest = plan_rest(self._midway(tick), self._seed + self.epoch, self._limits)
+        except NothingToAddError as error:
             self._notes.append(str(error))
+            self._is_largest = error.is_proof
             self._state = ForemanState.GAVE_UP
             return
+        self.problem, self.plan, self._is_largest = rest.problem, rest.plan, rest.is_largest
         self.epoch += 1
         self._notes += _what_changed(self._wanted, self.problem.targets)
         self._heard.clear()
@@ -308,7 +310,9 @@ class Foreman:
         built, wanted = len(groups[0]) if groups else 1, len(self._wanted)
         notes = list(self._notes)
         if self._state in (ForemanState.DONE, ForemanState.GAVE_UP) and built < wanted:
-            notes.append(f"finished the largest connected sub-structure: {built} of {wanted}")
+            is_proven = self._is_largest and (self._state is ForemanState.GAVE_UP or built == self._wanted_now())
+            proof = " (proven: no larger one can be put together)" if is_proven else ""
+            notes.append(f"finished the largest connected sub-structure: {built} of {wanted}{proof}")
         is_halting = self._state is ForemanState.STOPPING
         return ForemanReport(self._state, self.epoch, is_halting, built, wanted, "; ".join(notes))
 
