@@ -47,6 +47,19 @@ def test_a_boat_that_was_stopped_beside_another_leaves_from_there_but_passes_no_
     assert np.abs(past - (8, 8)).max(axis=1).min() >= CLEARANCE
 
 
+def test_boats_that_were_stopped_side_by_side_part() -> None:
+    midway = replace(PROBLEM, is_midway=True)
+    stopped = [(6, 6), (7, 6)]
+
+    paths = plan_homing(midway, [], [(3, 6), (10, 6)], stopped, HomingLimits())
+
+    assert paths is not None
+    assert paths[-1].tolist() == [list(cell) for cell in stopped]
+    near = np.abs(paths[:, 0] - paths[:, 1]).max(axis=1) < CLEARANCE
+    assert (paths[near] == np.array(stopped)).all()
+    assert plan_homing(PROBLEM, [], [(3, 6), (10, 6)], stopped, HomingLimits(attempts=4)) is None
+
+
 def test_two_boats_that_exchange_places_keep_clear() -> None:
     paths = plan_homing(PROBLEM, [], [(2, 6), (10, 6)], [(10, 6), (2, 6)], HomingLimits())
 

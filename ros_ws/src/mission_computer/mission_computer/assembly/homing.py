@@ -133,19 +133,26 @@ class SpaceTime:
     def reserve(self, path: IntArray, *, lingers: bool = False) -> None:
         """Take a path's cells and what is too near to them, the last one to the end.
 
-        What lingers is taken for one more step each.
+        What lingers is taken for one more step each. Boats that were stopped side by side may both be where they
+        stopped, so that a boat that is there for good takes no more than its cell from the goals of others.
         """
-        padded = np.concatenate([path, np.repeat(path[-1:], max(0, self._steps + 1 - len(path)), axis=0)])
-        x = padded[:, 0] - self._origin[0] + 1
-        y = padded[:, 1] - self._origin[1] + 1
         steps = np.arange(self._steps + 1)
-        for dx in range(-REACH, REACH + 1):
-            for dy in range(-REACH, REACH + 1):
-                for taken in (self._taken, self._by_boats):
-                    if taken is not None:
-                        taken[steps, x + dx, y + dy] = True
-                        if lingers:
-                            taken[steps[1:], (x + dx)[:-1], (y + dy)[:-1]] = True
+        here = path[np.minimum(steps, len(path) - 1)] - np.array(self._origin) + 1
+        self._take(self._taken, steps, here, REACH, lingers=lingers)
+        if self._by_boats is not None:
+            comes = steps < len(path) - 1
+            self._take(self._by_boats, steps[comes], here[comes], REACH, lingers=lingers)
+            self._take(self._by_boats, steps[~comes], here[~comes], 0, lingers=False)
+
+    @staticmethod
+    def _take(taken: BoolArray, steps: IntArray, cells: IntArray, reach: int, *, lingers: bool) -> None:
+        for dx in range(-reach, reach + 1):
+            for dy in range(-reach, reach + 1):
+                x, y = (cells + np.array([dx, dy])).T
+                taken[steps, x, y] = True
+                if lingers:
+                    after = steps[:-1] + 1
+                    taken[after, x[: len(after)], y[: len(after)]] = True
 
     def _index(self, cell: Cell) -> Cell:
         return cell[0] - self._origin[0] + 1, cell[1] - self._origin[1] + 1
