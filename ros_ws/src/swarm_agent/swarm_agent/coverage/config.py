@@ -34,10 +34,10 @@ class LayoutConfig(Config):
     refined_max: int = setting(
         48, "layouts of more robots than this are a lattice, without refinement", minimum=0, maximum=200
     )
-    interior_points: int = setting(1000, "points inside the shape that the search looks at", minimum=100)
-    surface_points: int = setting(1000, "points on its surface, where gaps are found first", minimum=100)
+    interior_points: int = setting(2000, "points inside the shape that the search looks at", minimum=100)
+    surface_points: int = setting(2000, "points on its surface, where gaps are found first", minimum=100)
     judged_points: int = setting(20_000, "fresh points by which a result is accepted", minimum=1000)
-    kicks: int = setting(5, "restarts from a shaken layout before a number of robots is given up", minimum=0)
+    kicks: int = setting(3, "restarts from a shaken layout before a number of robots is given up", minimum=0)
     kick_share: float = setting(0.08, "how far a kick shakes each place, of the covering range", minimum=0.0)
     spare: float = setting(
         0.01, "share of the covering range that is held back, so that small errors of placement open no hole",

@@ -19,7 +19,9 @@ from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 
 CHAIN_VOLUME = 1.97  # covered per robot of a chain lattice, in cubes of the range
-REMOVALS = 2  # robots whose removal is tried before a number of robots is given up
+PATIENCE = 4  # times the kicks of a number of robots for the start, which must not fail
+CANDIDATES = 500  # places that the greedy start chooses from
+REMOVALS = 5  # robots whose removal is tried before a number of robots is given up
 DENSITY = 80.0  # points of the cloud per robot of a lattice: fewer leave gaps between them
 DEEP = 6.0  # first, few robots on a tree that may be deep; the same number is then tried on flatter ones
 FLATTER = (4.0, 3.0)
@@ -88,12 +90,12 @@ def _refined_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, se
         reach=LINK_SLACK * reach,
         radius_max=config.range_m,
         link_max=reach,
-        missed_max=int((1.0 - settings.covered_fraction) * settings.judged_points),
+        missed_max=1.0 - settings.covered_fraction,
         power=DEEP,
     )
     rng = rng_for(seed, "coverage", "search")
-    start = greedy(task, task.cloud[: settings.interior_points], len(task.cloud))
-    best, task = fitted(task, start, settings.kick_share, settings.kicks, rng)
+    start = greedy(task, task.cloud[: min(settings.interior_points, CANDIDATES)], len(task.cloud))
+    best, task = fitted(task, start, settings.kick_share, PATIENCE * settings.kicks, rng)
     if best is None:
         return None
     while len(best) > 1:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, dijkstra, minimum_spanning_tree
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import cdist
 
 from swarm_agent.coverage.expansion import ROOT, Layout
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
@@ -45,9 +46,12 @@ def short_edges(positions: FloatArray, power: float) -> tuple[IntArray, IntArray
     not more than one along a chain of many, which a minimum spanning tree (an infinite power) would take, and robots
     would have to follow.
     """
-    offsets = positions[:, None] - positions
-    costs = np.einsum("ijk,ijk->ij", offsets, offsets) ** (0.5 * power)
-    before = dijkstra(costs, indices=0, return_predecessors=True)[1].astype(np.int64)
+    count = len(positions)
+    costs = cdist(positions, positions, "sqeuclidean") ** (0.5 * power)
+    # The sparse form of the full matrix: of a dense one, scipy first looks for what is no edge, which takes longer.
+    starts, ends = np.arange(0, count * count + 1, count), np.tile(np.arange(count), count)
+    graph = csr_array((costs.ravel(), ends, starts), shape=(count, count))
+    before = dijkstra(graph, indices=0, return_predecessors=True)[1].astype(np.int64)
     heads = np.flatnonzero(before >= 0)
     return before[heads], heads
 

@@ -5,22 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from swarm_agent.coverage.layout_tree import short_edges
+from swarm_agent.coverage.least_gaps import Gaps, closed
 from swarm_msgs_py.geometry.solids.sampling import interior_points
 from swarm_msgs_py.geometry.solids.solid import Solid
-from swarm_msgs_py.partition.quasi_newton import minimize
-from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
+from swarm_msgs_py.types import BoolArray, FloatArray
 
-LINK_WEIGHT = 10.0  # of the mean squared excess of a link against that of a gap: links must hold, gaps may remain
-STEPS = 50  # of the descent until the tree is looked at anew
-STEP_M, TOLERANCE_M = 5.0, 0.002  # farthest that a place moves in a step of the descent, and least [m]
-DEEP = 0.7  # of the range: points this deep inside a ball are not uncovered by one descent
-SCALE = 0.05  # of the cost: makes its slope a sensible first step [m]
-ROUNDS = 3  # trees per descent
-MISSED_MAX = 50  # judges that join the cloud at a time
+STEPS = 25  # of a descent until the tree is looked at anew
+BANDS = (0.8, 0.9)  # of the range, a descent each: points deeper inside a ball are not uncovered by it
+BATCH, ENOUGH = 5000, 8  # judges at a time; so many that are missed tell enough
+LEARNED_MAX = 100  # judges that join the cloud at a time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,12 +32,13 @@ class Task:
     solid : Solid
         Shape that the cloud was drawn from.
     judges : int
-        Fresh points of the shape by which a result is judged, of which at most `missed_max` may stay uncovered.
+        Fresh points of the shape by which a result is judged.
     radius, reach : float
         Range of covering and longest link, both with a little held back for the search [m].
     radius_max, link_max : float
         The same as they are [m].
-    missed_max : int
+    missed_max : float
+        Share of the judges that may stay uncovered.
     """
 
     cloud: FloatArray
@@ -52,14 +49,23 @@ class Task:
     reach: float
     radius_max: float
     link_max: float
-    missed_max: int
+    missed_max: float
     power: float
 
-    def missed(self, places: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Return which of fresh judges `places` leave uncovered, (k, 3) [m]; the same would be learned by heart."""
-        judges = interior_points(self.solid, self.judges, rng)
-        missed: FloatArray = judges[cKDTree(places).query(judges)[0] > self.radius_max]
-        return missed
+    def judged(self, places: FloatArray, rng: np.random.Generator) -> tuple[float, FloatArray]:
+        """Return which share of fresh judges `places` leave uncovered, and the judges to learn from, (k, 3) [m].
+
+        The same judges would be learned by heart. There are fewer of them where a part tells enough. To be learned from
+        are those that are outside the range of the search already: around each gap there are several.
+        """
+        outside, missed, count = list[FloatArray](), 0, 0
+        while count < self.judges and missed <= ENOUGH:
+            judges = interior_points(self.solid, min(BATCH, self.judges - count), rng)
+            squares = cdist(places, judges, "sqeuclidean").min(axis=0)
+            outside.append(judges[squares > self.radius**2])
+            missed += int(np.count_nonzero(squares > self.radius_max**2))
+            count += len(judges)
+        return missed / count, np.concatenate(outside)[:LEARNED_MAX]
 
 
 def greedy(task: Task, candidates: FloatArray, robots_max: int) -> FloatArray:
@@ -110,12 +116,12 @@ def without_a_hardly_needed(task: Task, places: FloatArray, rank: int) -> FloatA
 
 def descended(task: Task, places: FloatArray) -> FloatArray:
     """Return the places moved downhill: gaps of the cloud and too long links, squared, as small as they get nearby."""
-    for _ in range(ROUNDS):
+    for band in BANDS:
         tails, heads = short_edges(places, task.power)
-        deep = cdist(task.cloud, places, "sqeuclidean").min(axis=1) <= (DEEP * task.radius) ** 2
-        slope = _Slope(task, task.cloud[~deep], tails, heads)
-        followers = minimize(slope, places[1:], step_max=STEP_M, tolerance=TOLERANCE_M, steps_max=STEPS)
-        places = np.concatenate([task.leader[None], followers])
+        is_deep = cdist(places, task.cloud, "sqeuclidean").min(axis=0) <= (band * task.radius) ** 2
+        share = len(places) / len(task.cloud)
+        gaps = Gaps(task.cloud[~is_deep], share, task.radius, task.reach, tails, heads)
+        places = closed(gaps, places, STEPS)
     return places
 
 
@@ -138,16 +144,16 @@ def fitted(
         How many descents may be in vain.
     rng : Generator
     """
-    best, fewest = places, task.judges + 1
+    best, least = places, np.inf
     while True:
         places = descended(task, places)
-        missed = task.missed(places, rng)
+        missed, outside = task.judged(places, rng)
         is_linked = _longest(places, task.power) <= task.link_max
-        if len(missed) <= task.missed_max and is_linked:
+        if missed <= task.missed_max and is_linked:
             return places, task
-        task = replace(task, cloud=np.concatenate([task.cloud, missed[:MISSED_MAX]]))
-        if len(missed) < fewest and is_linked:
-            best, fewest = places, len(missed)
+        task = replace(task, cloud=np.concatenate([task.cloud, outside]))
+        if missed < least and is_linked:
+            best, least = places, missed
             continue
         kicks -= 1
         if kicks < 0:
@@ -162,54 +168,3 @@ def _longest(places: FloatArray, power: float) -> float:
     """Return the longest edge of the tree [m]."""
     tails, heads = short_edges(places, power)
     return float(np.linalg.norm(places[tails] - places[heads], axis=1).max(initial=0.0))
-
-
-class _Slope:
-    """The cost of places and its slope, for one tree and the points of the cloud that are not deep inside a ball.
-
-    Parameters
-    ----------
-    task : Task
-    cloud : (m, 3) array
-        Points that the places may come to leave uncovered [m].
-    tails, heads : (n - 1,) int array
-        Ends of the tree's edges.
-    """
-
-    def __init__(self, task: Task, cloud: FloatArray, tails: IntArray, heads: IntArray) -> None:
-        self._task, self._tails, self._heads = task, tails, heads
-        self._points, self._cloud = cloud, np.ascontiguousarray(cloud.T, dtype=np.float32)
-        self._squares, self._step = (np.empty((len(heads) + 1, len(cloud)), dtype=np.float32) for _ in range(2))
-
-    def __call__(self, followers: FloatArray) -> tuple[float, FloatArray]:
-        """Return the cost of the leader and followers (n - 1, 3) [m], and its slope at the followers, (n - 1, 3)."""
-        task, places = self._task, np.concatenate([self._task.leader[None], followers])
-        count = len(places)
-        # Places along the first axis: the least of each column is found in one sweep over long rows. Single precision
-        # tells which points are far, and from whom; by how much is computed in full.
-        squares, step = self._squares, self._step
-        squares[:] = 0.0
-        for axis, column in enumerate(places.astype(np.float32).T):
-            np.subtract(column[:, None], self._cloud[axis], out=step)
-            np.multiply(step, step, out=step)
-            np.add(squares, step, out=squares)
-        far = np.flatnonzero(squares.min(axis=0) > task.radius**2)
-        owner = squares[:, far].argmin(axis=0)
-        offsets = places[owner] - self._points[far]
-        distances = np.sqrt(np.einsum("ij,ij->i", offsets, offsets))
-        excess = distances - task.radius
-        share = count / len(task.cloud)
-        pull = offsets * (2.0 * share * excess / distances)[:, None]
-        slope = np.stack([np.bincount(owner, pull[:, axis], count) for axis in range(3)], axis=1)
-        cost = share * float(excess @ excess)
-
-        spans = places[self._tails] - places[self._heads]
-        lengths = np.sqrt(np.einsum("ij,ij->i", spans, spans))
-        stretch = np.maximum(lengths - task.reach, 0.0)
-        if stretch.any():
-            cost += LINK_WEIGHT * float(stretch @ stretch)
-            tension = spans * (2.0 * LINK_WEIGHT * stretch / np.maximum(lengths, 1e-9))[:, None]
-            np.add.at(slope, self._tails, tension)
-            np.subtract.at(slope, self._heads, tension)
-        downhill: FloatArray = (SCALE * slope[1:]).astype(np.float64)
-        return SCALE * cost, downhill

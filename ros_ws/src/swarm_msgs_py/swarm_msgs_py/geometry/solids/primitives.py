@@ -56,7 +56,8 @@ class Box:
 
     def contains(self, points: FloatArray) -> BoolArray:
         """Return which of `points` (n, 3) [m] are inside, (n,)."""
-        inside: BoolArray = np.all(np.abs(points - self._center) <= self._half, axis=1)
+        is_within = np.abs(points - self._center) <= self._half
+        inside: BoolArray = is_within[:, 0] & is_within[:, 1] & is_within[:, 2]  # quicker than all() of short rows
         return inside
 
 
