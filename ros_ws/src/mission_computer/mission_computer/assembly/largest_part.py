@@ -9,7 +9,7 @@ no larger part can be put together pairwise along straight lines.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,8 @@ from swarm_msgs_py.assembly.problem import AssemblyProblem
 
 SUSPECT = 1000
 """Cells of travel that it is worth not to use a boat whose docks failed."""
+TRAVEL_SHARE = 0.3
+"""Of the work, for making the travel short once it is known how large the part can be."""
 
 Crew = tuple[int, ...]
 
@@ -69,7 +71,7 @@ def largest_part(
 ) -> BuildablePart | None:
     """Return the largest part that can be built, other than those forbidden; None if there is none or none was found.
 
-    Of equally large parts it is one without suspects, if there is one, and for which groups travel little.
+    Of equally large parts it is one without suspects, if there is one, and for which boats travel little.
 
     Parameters
     ----------
@@ -106,7 +108,10 @@ class _PartModel:
             self._placed |= fits
         turns = {turned(one, n): one for one in sorted(self._classes) for n in distinct_turns(one)}
         self._stands = [{layout: self._model.new_bool_var("") for layout in turns} for _ in problem.targets]
-        self._unwanted = [self._add_class(one, [w for w, c in turns.items() if c == one]) for one in self._classes]
+        for one, boats in self._classes.items():
+            layouts = [layout for layout, representative in turns.items() if representative == one]
+            self._model.add(sum(stands[layout] for stands in self._stands for layout in layouts) <= len(boats))
+        self._takes: dict[tuple[int, int], cp_model.IntVar] = {}
         self._filled = [self._add_target(target) for target in range(problem.target_count)]
         self._docked = {contact: self._add_contact(contact) for contact in self._structure.contacts}
         self._joined: dict[Part, cp_model.IntVar] = {}
@@ -120,8 +125,7 @@ class _PartModel:
         at = dict(zip(part.targets, part.dispatch.boats, strict=True))
         literals = [filled.negated() if target in at else filled for target, filled in enumerate(self._filled)]
         for one, placed in self._placed.items():
-            is_so = all(at.get(target) == boat for target, boat in zip(one.targets, one.crew, strict=True))
-            literals.append(placed.negated() if is_so else placed)
+            literals.append(placed.negated() if self._is_so(one, at) else placed)
         self._model.add_bool_or(literals)
 
     def solve(self, limits: SolverLimits) -> BuildablePart | None:
@@ -130,14 +134,49 @@ class _PartModel:
         solver = new_solver(limits)
         if solver.solve(self._model) not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
             return None
-        bound = round(solver.best_objective_bound)
-        self._model.add(size >= round(solver.objective_value))
-        travel = sum(placement.travel * placed for placement, placed in self._placed.items())
-        self._model.minimize(SUSPECT * sum(self._unwanted) + travel)
-        nearer = new_solver(limits)
+        found = self._part(solver, round(solver.best_objective_bound))
+        self._model.add(size >= len(found.targets))
+        self._model.minimize(self._cost())
+        self._hint(found)
+        nearer = new_solver(SolverLimits(limits.seed, TRAVEL_SHARE * limits.work))
         if nearer.solve(self._model) in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-            solver = nearer
-        return self._part(solver, bound)
+            found = self._part(nearer, found.bound)
+        return found
+
+    def _cost(self) -> cp_model.LinearExpr:
+        """Return the travel of all boats [cells], and what is to be paid for suspects; adds who goes where."""
+        costs = [placement.travel * placed for placement, placed in self._placed.items()]
+        for one, boats in self._classes.items():
+            self._takes |= {
+                (boat, target): self._model.new_bool_var("") for boat in boats for target in range(len(self._filled))
+            }
+            for boat in boats:
+                self._model.add_at_most_one(self._takes[boat, target] for target in range(len(self._filled)))
+            for target, stands in enumerate(self._stands):
+                turned_so = [variable for layout, variable in stands.items() if layout_class(layout) == one]
+                self._model.add(sum(self._takes[boat, target] for boat in boats) == sum(turned_so))
+        costs += [
+            (self._problem.travel(*pair) + SUSPECT * (pair[0] in self._suspects)) * takes
+            for pair, takes in self._takes.items()
+        ]
+        return cp_model.LinearExpr.sum(costs)
+
+    def _hint(self, part: BuildablePart) -> None:
+        """Begin the search from a part."""
+        at = dict(zip(part.targets, part.dispatch.boats, strict=True))
+        layouts = dict(zip(part.targets, part.dispatch.layouts(self._problem), strict=True))
+        for (boat, target), takes in self._takes.items():
+            self._model.add_hint(takes, at.get(target) == boat)
+        for placement, placed in self._placed.items():
+            self._model.add_hint(placed, self._is_so(placement, at))
+        lone = {boat for boats in self._classes.values() for boat in boats}
+        for target, stands in enumerate(self._stands):
+            for layout, variable in stands.items():
+                self._model.add_hint(variable, at.get(target) in lone and layouts.get(target) == layout)
+
+    @staticmethod
+    def _is_so(placement: _Placement, at: Mapping[int, int]) -> bool:
+        return all(at.get(target) == boat for target, boat in zip(placement.targets, placement.crew, strict=True))
 
     def _placements(self, group: Crew) -> Iterable[_Placement]:
         """Yield every place in the structure that a group fits into, without a turn."""
@@ -149,16 +188,6 @@ class _PartModel:
             if all(cell in number for cell in cells):
                 travel = len(group) * (abs(u - x) + abs(v - y))
                 yield _Placement(group, tuple(number[cell] for cell in cells), travel)
-
-    def _add_class(self, one: Layout, layouts: Sequence[Layout]) -> cp_model.IntVar:
-        """Let no more boats of a class stand than there are; return how many of them are suspects."""
-        boats = self._classes[one]
-        count = sum(stands[layout] for stands in self._stands for layout in layouts)
-        self._model.add(count <= len(boats))
-        clean = sum(boat not in self._suspects for boat in boats)
-        unwanted = self._model.new_int_var(0, len(boats), "")
-        self._model.add(unwanted >= count - clean)
-        return unwanted
 
     def _add_target(self, target: int) -> cp_model.IntVar:
         filled = self._model.new_bool_var("")
