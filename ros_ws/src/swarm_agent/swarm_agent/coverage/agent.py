@@ -94,7 +94,7 @@ class CoverageAgent:
             inputs.tick,
             self._mode,
             self._mission,
-            self._rendezvous.news() if tells_tree else None,
+            self._rendezvous.news(inputs.tick) if tells_tree else None,
             has_changed=mode is not self._mode or inputs.tick == 0,
         )
         return CoverageOutputs(inputs.tick, velocity, outbox, self._report())

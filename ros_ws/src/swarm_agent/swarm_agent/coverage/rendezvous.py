@@ -11,6 +11,7 @@ from swarm_msgs_py.types import NodeId
 INFINITE = 0xFFFF  # hops of a robot that the search has not reached
 LAST_RESORT_TICKS = 2  # without a better one, until a long edge will do
 SETTLED_TICKS = 5  # without news until the children that a robot knows are all: search down, their answer back up
+RETELL_TICKS = 10  # what has been said is said again after so long, for frames may be lost
 UNREACHED_EDGES = 3  # times as long as an edge takes, until a robot that the search has not reached looks for others
 
 NO_PARENT = (INFINITE, NOBODY, 1 << 62)
@@ -58,6 +59,7 @@ class Rendezvous:
         self._visitors: set[NodeId] = set()
         self._target = NOBODY
         self._said: TreeNews | None = None
+        self._said_at = 0
         self._must_tell = is_root
         self._size = 0
         self._met = NOBODY
@@ -134,7 +136,7 @@ class Rendezvous:
             return False
         if not self._is_complete(tick):
             return False
-        everybody_came = len(self._visitors) >= self.size - 1 or self._nobody_comes(around)
+        everybody_came = len(self._visitors) >= self.size - 1 or self._nobody_comes(around, meeting)
         if self._is_root:
             return everybody_came
         if self._target == NOBODY and self._met == NOBODY and everybody_came:
@@ -152,13 +154,14 @@ class Rendezvous:
                 self._target = upward
         return False
 
-    def news(self) -> TreeNews | None:
+    def news(self, tick: int) -> TreeNews | None:
         """Return what must be said now, None if nothing."""
         said = TreeNews(self._term, self.hops, self.parent, self.size, self._met)
-        if self.hops == INFINITE or (said == self._said and not self._must_tell):
+        is_due = tick - self._said_at >= RETELL_TICKS
+        if self.hops == INFINITE or (said == self._said and not self._must_tell and not is_due):
             return None
         self.searches += self._said is None or self._said.hops != said.hops
-        self._said, self._must_tell = said, False
+        self._said, self._said_at, self._must_tell = said, tick, False
         return said
 
     def _forget_the_gone(self, tick: int, around: Surroundings) -> None:
@@ -187,18 +190,22 @@ class Rendezvous:
         ]
         return min(others, default=(0.0, NOBODY))[1]
 
-    def _nobody_comes(self, around: Surroundings) -> bool:
+    def _nobody_comes(self, around: Surroundings, meeting: float) -> bool:
         """Return whether for a while nobody has been sensed that is still to come.
 
         To a robot come its children, and who has met one of those; to the root comes everybody.
         """
-        is_quiet = all(robot in self._visitors or not self._is_coming(robot) for robot in around.robots)
+        is_quiet = all(
+            robot in self._visitors or away <= meeting or not self._is_coming(robot)
+            for robot, away in zip(around.robots, around.distances.tolist(), strict=True)
+        )
         self._quiet_ticks = self._quiet_ticks + 1 if is_quiet else 0
         return self._quiet_ticks > self._edge_ticks + SETTLED_TICKS
 
     def _is_coming(self, robot: NodeId) -> bool:
-        above = self._met_by.get(robot, NOBODY)
-        return self._is_root or self._me in {self._parents.get(robot), self._parents.get(above)}
+        met = self._met_by.get(robot, NOBODY)  # who has met one further up has been here, though that was not heard
+        is_child = met == NOBODY and self._parents.get(robot) == self._me
+        return self._is_root or is_child or self._parents.get(met) == self._me
 
     def _is_complete(self, tick: int) -> bool:
         """Return whether all of the subtree is known, and note its size."""
