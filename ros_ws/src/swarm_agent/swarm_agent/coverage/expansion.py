@@ -1,7 +1,14 @@
-"""Expansion without messages: where Algorithm 1 puts robots, for planning and as a yardstick."""
+"""Expansion without messages: where Algorithm 1 puts robots, for planning and as a yardstick.
+
+References
+----------
+.. [1] M. Minoux, "Accelerated greedy algorithms for maximizing submodular set functions", Optimization Techniques,
+       Springer 1978.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,6 +75,7 @@ def expand(  # noqa: PLR0913, PLR0917 - what an expansion follows from
     store = FrontierStore(directions_of(config), config.range_m, solid)
     store.enable(leader)
     parents, hops = [ROOT], [0]
+    scores = dict[int, float]()
     while len(store) < robots_max:
         owners = np.flatnonzero(store.is_open.any(axis=1))
         if not len(owners):
@@ -76,18 +84,39 @@ def expand(  # noqa: PLR0913, PLR0917 - what an expansion follows from
         nearest = owners[distances == distances.min()]
         if config.rule is not Rule.GAIN:
             nearest = rng.choice(nearest, 1)
-        choices = [(owner, _chosen(store, owner, solid, config, rng, barriers)) for owner in nearest.tolist()]
-        for owner, choice in choices:
-            if choice is None:  # whatever is left of its frontier is behind an obstacle
-                store.give_up(owner)
-        found = [(choice.score, owner, choice.place) for owner, choice in choices if choice is not None]
-        if not found:
+        found = _best(
+            store, nearest.tolist(), scores, lambda owner: _chosen(store, owner, solid, config, rng, barriers)
+        )
+        if found is None:
             continue
-        _, owner, offset = max(found, key=lambda entry: entry[0])
+        owner, offset = found
         store.enable(store.positions[owner] + offset)
         parents.append(owner)
         hops.append(hops[owner] + 1)
     return Layout(store.positions.copy(), np.array(parents))
+
+
+def _best(
+    store: FrontierStore, owners: list[int], scores: dict[int, float], chosen: Callable[[int], Choice | None]
+) -> tuple[int, FloatArray] | None:
+    """Return which of `owners` has the best place for the next robot, and that place relative to it [m].
+
+    What a place newly covers only shrinks as others are taken, so that an owner's `scores` of before stand for bounds:
+    only the best of these is judged again, until it stays the best (accelerated greedy [1]_). They are no true bounds,
+    since the frontier that counts against a place shrinks as well, and places are searched by lot.
+    """
+    judged = dict[int, FloatArray]()
+    while owners:
+        owner = max(owners, key=lambda each: (scores.get(each, np.inf), -each))
+        if owner in judged:
+            return owner, judged[owner]
+        choice = chosen(owner)
+        if choice is None:  # whatever is left of its frontier is behind an obstacle
+            store.give_up(owner)
+            owners.remove(owner)
+        else:
+            scores[owner], judged[owner] = choice.score, choice.place
+    return None
 
 
 def _chosen(  # noqa: PLR0913, PLR0917 - what a choice follows from

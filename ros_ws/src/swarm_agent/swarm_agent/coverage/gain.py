@@ -3,7 +3,8 @@
 Everything is judged by what one robot knows of its surroundings. Some places toward its frontier points, far apart
 from each other, are improved by what they gain (`_Worth`); for each, the rest of the surroundings is then filled
 greedily, as if all robots around chose at once, and the place with which that takes fewest robots wins. Such a
-look ahead with a greedy base policy is a rollout.
+look ahead with a greedy base policy is a rollout. What a place covers bounds its worth: places whose bound is no
+better than what is known already are left out (branch and bound), which changes no choice.
 
 References
 ----------
@@ -17,7 +18,6 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import cKDTree
-from scipy.spatial.distance import cdist
 
 from swarm_agent.coverage.config import CoverageConfig
 from swarm_agent.coverage.sense_sphere import TOUCHING, covered_samples, directions_of
@@ -25,7 +25,7 @@ from swarm_agent.coverage.sites import REACH, Choice, Site
 from swarm_msgs_py.geometry.solids.sampling import interior_points, volume
 from swarm_msgs_py.geometry.solids.solid import Solid
 from swarm_msgs_py.randomness import rng_for
-from swarm_msgs_py.types import FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray
 
 SHARES = (1.0, 0.85, 0.7)  # of the farthest place toward a frontier point: nearer ones leave no slivers behind
 COARSE_MAX = 300  # places that are looked at first
@@ -37,6 +37,8 @@ OPENED_WEIGHT = 4.0  # the same of frontier points that the newcomer would have
 FURTHER_WEIGHT = 1.0  # the same of each robot that it takes afterward
 FURTHER_PLACES = 300  # of the surroundings, where those may stand
 MISPLACED = 0.5  # of the tolerance of arrival: how far off its place a robot is taken to stop
+BATCH = 40  # places whose frontier is told at once
+FIRST = 6  # nearest robots that a newcomer's samples are compared with before all others
 DENSITY = 400.0  # points per ball that stand for the volume of the shape
 POINTS_MIN, POINTS_MAX = 200, 400_000  # of the whole shape
 TRIALS = 20_000  # points by which its volume is told
@@ -83,27 +85,35 @@ class _Worth:
 
     def __init__(self, config: CoverageConfig, site: Site) -> None:
         self._site, self._radius, self._directions = site, _sure_range(config), directions_of(config)
+        self._others = site.others[np.argsort(np.linalg.norm(site.others, axis=1), kind="stable")]
         near = _volume_near(site, self._radius, 2.0)
-        left = near[cdist(near, site.others).min(axis=1) > config.range_m]
+        left = near[_beyond(near, site.others, config.range_m)]
         self._points = np.concatenate([left, site.around])
         shares = VOLUME_WEIGHT / DENSITY, 1.0 / len(self._directions)
         self._weights = np.repeat(shares, (len(left), len(site.around)))
 
-    def __call__(self, places: FloatArray) -> FloatArray:
-        """Return the worth of each of `places` (k, 3) [m], (k,), in spheres of frontier points."""
-        covers = cdist(places, self._points) <= self._radius * (1.0 + TOUCHING)
-        worth: FloatArray = covers @ self._weights - OPENED_WEIGHT * self._opened(places)
-        return worth
+    def bounds(self, places: FloatArray) -> FloatArray:
+        """Return what `places` (k, 3) [m] newly cover, (k,), in spheres of frontier points; the worth is no more."""
+        covers = _within(places, self._points, self._radius * (1.0 + TOUCHING))
+        covered: FloatArray = covers @ self._weights
+        return covered
 
-    def _opened(self, places: FloatArray) -> FloatArray:
-        """Return how much frontier a robot at each place would have, in spheres, (k,)."""
-        others, count = self._site.others, len(self._directions)
-        offsets = (others - places[:, None]).reshape(-1, 3)
-        covered = covered_samples(self._directions, self._radius, offsets).reshape(count, len(places), len(others))
-        sample, row = np.nonzero(~covered.any(axis=2))
-        points = self._site.position + places[row] + self._radius * self._directions[sample]
-        opened: FloatArray = np.bincount(row, self._site.solid.contains(points), len(places)) / count
-        return opened
+    def cost(self, places: FloatArray) -> FloatArray:
+        """Return what the frontier that robots at `places` (k, 3) [m] would have takes from their bounds, (k,)."""
+        count = len(self._directions)
+        # Most samples are in the coverage of the nearest few; only the rest is compared with everybody.
+        is_open = np.ones((count, len(places)), dtype=np.bool_)
+        for other in self._others[:FIRST]:
+            is_open &= ~covered_samples(self._directions, self._radius, other - places)
+        left = np.flatnonzero(is_open)
+        axes = zip((self._radius * self._directions).T, (self._site.position + places).T, strict=True)
+        points = np.stack([np.add.outer(spokes, middles).take(left) for spokes, middles in axes], axis=1)
+        others = self._site.position + self._others[FIRST:]
+        bare = np.flatnonzero(_beyond(points, others, self._radius * (1.0 + TOUCHING)))
+        left, points = left[bare], points.take(bare, axis=0)
+        left = left[self._site.solid.contains(points)]
+        opened: FloatArray = np.bincount(left % len(places), minlength=len(places)) / count
+        return OPENED_WEIGHT * opened
 
 
 def _starts(
@@ -113,14 +123,19 @@ def _starts(
     places = np.concatenate([share * config.placement * site.own for share in SHARES])
     if len(places) > COARSE_MAX:
         places = places[rng.choice(len(places), COARSE_MAX, replace=False)]
-    values = worth(places)
-    chosen: list[int] = []
-    for row in np.argsort(-values, kind="stable").tolist():
-        away = np.linalg.norm(places[chosen] - places[row], axis=1)
-        if (away > APART * config.range_m).all():
-            chosen.append(row)
-        if len(chosen) == STARTS:
-            break
+    # Values are bounds until the frontier is told of, which only those that look best are asked for.
+    values, is_exact = worth.bounds(places), np.zeros(len(places), dtype=np.bool_)
+    chosen, left = list[int](), np.ones(len(places), dtype=np.bool_)
+    while len(chosen) < STARTS and left.any():
+        best = int(np.where(left, values, -np.inf).argmax())
+        if is_exact[best]:
+            chosen.append(best)
+            left &= np.linalg.norm(places - places[best], axis=1) > APART * config.range_m
+        else:
+            rows = np.flatnonzero(left & ~is_exact)
+            rows = rows[np.argsort(-values[rows], kind="stable")[:BATCH]]
+            values[rows] -= worth.cost(places[rows])
+            is_exact[rows] = True
     return places[chosen], values[chosen]
 
 
@@ -142,8 +157,10 @@ def _improved(  # noqa: PLR0913, PLR0917 - what a search follows from
         lengths = np.linalg.norm(tries, axis=2, keepdims=True)
         tries *= np.minimum(1.0, config.placement * config.range_m / lengths)
         flat = tries.reshape(-1, 3)
-        serves = (cdist(flat, site.own) <= config.range_m).any(axis=1)
-        found = np.where(serves, worth(flat), -np.inf).reshape(len(places), TRIES)
+        found = np.where(_beyond(flat, site.own, config.range_m), -np.inf, worth.bounds(flat))
+        hopeful = np.flatnonzero(found > np.repeat(values, TRIES))
+        found[hopeful] -= worth.cost(flat[hopeful])
+        found = found.reshape(len(places), TRIES)
         tries, found = (
             np.concatenate([places[:, None], tries], axis=1),
             np.concatenate([values[:, None], found], axis=1),
@@ -161,23 +178,41 @@ def _further(places: FloatArray, config: CoverageConfig, site: Site, rng: np.ran
     if not len(near):  # a shape too thin for points: nothing tells the places apart
         return np.zeros(len(places))
     spots = near[rng.choice(len(near), min(FURTHER_PLACES, len(near)), replace=False)]
-    wanted = np.concatenate([near[cdist(near, site.others).min(axis=1) > config.range_m], site.around])
-    covers = cdist(spots, wanted) <= _sure_range(config)
-    gains = covers.astype(np.float32)
-    linked = cdist(spots, spots) <= reach
-    left = (cdist(wanted, places) > _sure_range(config)).astype(np.float32)
-    in_reach = cdist(spots, np.concatenate([site.others, places])) <= reach
-    can = in_reach[:, : len(site.others)].any(axis=1)[:, None] | in_reach[:, len(site.others) :]
+    wanted = np.concatenate([near[_beyond(near, site.others, config.range_m)], site.around])
+    covers = _within(wanted, spots, _sure_range(config))
+    counted = covers.astype(np.float32)
+    linked = _within(spots, spots, reach)
+    left = ~_within(wanted, places, _sure_range(config))
+    can = ~_beyond(spots, site.others, reach)[:, None] | _within(spots, places, reach)
+    gained = counted.T @ left.astype(np.float32)  # counts, so that float32 is exact and they can be kept up to date
     further, busy = np.zeros(len(places)), np.arange(len(places))
     while len(busy):
-        gained = np.where(can[:, busy], gains @ left[:, busy], 0.0)
-        best = gained.argmax(axis=0)
-        goes_on = gained[best, np.arange(len(busy))] > 0.0
+        possible = np.where(can[:, busy], gained[:, busy], 0.0)
+        best = possible.argmax(axis=0)
+        goes_on = possible[best, np.arange(len(busy))] > 0.0
         busy, best = busy[goes_on], best[goes_on]
         further[busy] += 1.0
-        left[:, busy] *= ~covers[best].T
+        newly = left[:, busy] & covers[:, best]
+        rows = np.flatnonzero(newly.any(axis=1))
+        gained[:, busy] -= counted[rows].T @ newly[rows].astype(np.float32)
+        left[:, busy] &= ~newly
         can[:, busy] |= linked[best].T
     return further
+
+
+def _within(points: FloatArray, others: FloatArray, reach: float) -> BoolArray:
+    """Return which of `points` (n, 3) [m] are within `reach` [m] of which of `others` (m, 3) [m], (n, m)."""
+    # |p - o|^2 <= reach^2 with the squares multiplied out: one product instead of n m distances.
+    halves = -0.5 * np.einsum("ij,ij->i", others, others)
+    products = np.column_stack([points, np.ones(len(points))]) @ np.column_stack([others, halves]).T
+    within: BoolArray = products >= 0.5 * (np.einsum("ij,ij->i", points, points) - reach * reach)[:, None]
+    return within
+
+
+def _beyond(points: FloatArray, others: FloatArray, reach: float) -> BoolArray:
+    """Return which of `points` (n, 3) [m] are within `reach` [m] of none of `others` (m, 3) [m], (n,)."""
+    near: BoolArray = np.any(_within(others, points, reach), axis=0)  # along the axis that NumPy reduces fastest
+    return ~near
 
 
 def _volume_near(site: Site, radius: float, reach: float) -> FloatArray:
