@@ -6,7 +6,7 @@ import numpy as np
 
 from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig, ProtocolConfig
-from swarm_agent.coverage.frames import Place, State
+from swarm_agent.coverage.frames import NOBODY, Place
 from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -49,9 +49,8 @@ class AbsenceWatch:
         self._missed: dict[NodeId, int] = {}
         self._inside: set[NodeId] = set()  # who was well within when last sensed
         self._near: dict[NodeId, Place] = {}
-        self._traveling: dict[NodeId, Place] = {}
-        self._due: dict[NodeId, tuple[Place, int]] = {}  # until when travelers are waited for
-        self._revision = -1
+        self._due: dict[NodeId, int] = {}  # until when travelers are waited for
+        self._accounted = 0  # of those whose places have changed
 
     def gone(self, tick: int, position: FloatArray, board: Board, around: Surroundings) -> list[Place]:
         """Return the records of places whose robots are gone.
@@ -64,11 +63,10 @@ class AbsenceWatch:
         board : Board
         around : Surroundings
         """
-        if board.revision != self._revision:
-            self._look_up(tick, position, board)
+        self._look_up(tick, position, board)
         self._inside -= around.robots.keys()
         self._inside.update(around.ids[around.distances < self._reach].tolist())
-        expected = self._near.keys() | (self._inside & self._traveling.keys())
+        expected = self._near.keys() | (self._inside & self._due.keys())
         missing = expected - around.robots.keys()
         self._missed = {robot: self._missed.get(robot, 0) + 1 for robot in missing}
         lost = {
@@ -76,23 +74,26 @@ class AbsenceWatch:
             for robot, ticks in self._missed.items()
             if ticks >= (self._patience if robot in self._near else self._patience_under_way)
         }
-        lost.update(robot for robot, (_, due) in self._due.items() if tick > due)
-        return [self._near.get(robot) or self._traveling[robot] for robot in sorted(lost)]
+        lost.update(robot for robot, due in self._due.items() if tick > due)
+        return [self._near.get(robot) or board.bound[robot] for robot in sorted(lost)]
 
     def _look_up(self, tick: int, position: FloatArray, board: Board) -> None:
-        """Note who must be near, and who is under way."""
-        self._revision = board.revision
-        robots, places = list(board.held), board.held_positions
+        """Note who must be near, and who is under way, among those whose places have changed."""
+        if self._accounted == len(board.touched):
+            return
+        changed = sorted(set(board.touched[self._accounted :]) - {self._me, NOBODY})
+        self._accounted = len(board.touched)
+        for robot in changed:
+            self._near.pop(robot, None)
+            self._due.pop(robot, None)
+            if robot in board.bound:
+                self._due[robot] = tick + self._patience_with(board.bound[robot], board.held_positions)
+        robots = [robot for robot in changed if robot in board.held]
+        places = np.array([board.held[robot].position for robot in robots]).reshape(-1, 3)
         near = np.linalg.norm(places - position, axis=1) < self._reach
         if self._barriers:
             near &= ~self._barriers.cut(np.broadcast_to(position, places.shape), places)
-        self._near = {robots[row]: board.held[robots[row]] for row in np.flatnonzero(near) if robots[row] != self._me}
-        self._traveling = {place.holder: place for place in board.places(State.TAKEN) if place.holder != self._me}
-        known = {robot: entry for robot, entry in self._due.items() if self._traveling.get(robot) is entry[0]}
-        self._due = {
-            robot: known.get(robot) or (place, tick + self._patience_with(place, places))
-            for robot, place in self._traveling.items()
-        }
+        self._near |= {robots[row]: board.held[robots[row]] for row in np.flatnonzero(near)}
 
     def _patience_with(self, place: Place, held: FloatArray) -> int:
         """Return how long a robot can be on its way to a place from among those that hold theirs [ticks]."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from swarm_agent.coverage.board import Board
 from swarm_agent.coverage.config import CoverageConfig, Expansion, Rule
 from swarm_agent.coverage.flock import Flock
 from swarm_agent.coverage.frames import NOBODY, Frame, Key, Mission, Place, State, decode, on_air
-from swarm_agent.coverage.leading import Leading
+from swarm_agent.coverage.leading import Leading, solid_of
 from swarm_agent.coverage.offers import Offers
 from swarm_agent.coverage.release import Release
 from swarm_agent.coverage.rendezvous import INFINITE, Rendezvous
@@ -21,12 +20,19 @@ from swarm_agent.coverage.telling import Telling
 from swarm_agent.coverage.travel import Travel
 from swarm_agent.coverage.turns import Turns
 from swarm_agent.coverage.unfolding import Unfolding, may_unfold
-from swarm_agent.coverage.whereabouts import company, located, nearest_holder, toward, upstream
+from swarm_agent.coverage.whereabouts import (
+    Scale,
+    company,
+    farthest_off,
+    located,
+    nearest_holder,
+    toward,
+    upstream,
+)
 from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
 from swarm_msgs_py.coverage_orders import CoverageOrder, decode_order, is_order
 from swarm_msgs_py.errors import FrameError, ShapeError
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
-from swarm_msgs_py.geometry.solids.description import solid_from, unpacked_description
 from swarm_msgs_py.geometry.solids.solid import Solid
 from swarm_msgs_py.types import FloatArray, NodeId
 
@@ -163,7 +169,7 @@ class CoverageAgent:
             self._mode = CoverageMode.GATHERING
             self._gather()
         elif mission.shape:
-            self._solid = _solid(mission.shape)
+            self._solid = solid_of(mission.shape)
             if self._mode is CoverageMode.GATHERING:  # a straggler, or a newcomer
                 self._mode = CoverageMode.WAITING
         self._telling.tell_mission()
@@ -246,9 +252,10 @@ class CoverageAgent:
         away = around.distance(nearest[0])
         if self._predicts and not self._barriers and may_unfold(self._board, self._root, away, self._config):
             self._unfolding = Unfolding(self._root, place.key, self._board, self._config, inputs.tick, self._period)
-        self._limit = self._config.protocol.travel_limit * (
-            self._travel.expected_ticks(self._board, self._period) + self._config.protocol.heartbeat_ticks
-        )
+        expected = self._travel.expected_ticks(self._board, self._period)
+        if self._unfolding is not None:  # who has a short way is to take as long as all others
+            expected = max(expected, self._unfolding.ticks)
+        self._limit = self._config.protocol.travel_limit * (expected + self._config.protocol.heartbeat_ticks)
         self._mode = CoverageMode.TRAVELING
         return self._traveling(inputs, around)
 
@@ -281,7 +288,9 @@ class CoverageAgent:
             return AT_REST
         if self._unfolding is not None:
             self._travel.ticks += 1
-            target: FloatArray | None = self._unfolding.target(inputs.tick, self._position, self._board, around)
+            target: FloatArray | None = self._unfolding.target(
+                inputs.tick, self._position, self._board, around, is_exact=is_exact
+            )
         else:
             target = self._travel.target(self._position, self._board, around)
         return AT_REST if target is None else toward(target - self._position, self._config.motion, self._period)
@@ -351,20 +360,22 @@ class CoverageAgent:
         root = self._board.get(self._root)
         if root is None:
             return AT_REST
-        center, size = np.array(root.position), self._flock.contraction(inputs.tick, self._config)
-        target = center + size * (np.array(place.position) - center)
+        motion, is_moving = self._config.motion, self._flock.drift(inputs.tick).any()
+        # At rest, only what shakes a robot moves it: to correct what is within the noise would do no good.
+        near = motion.station_m if is_moving else max(motion.station_m, self._arrival)
+        scale = Scale(np.array(root.position), self._flock.contraction(inputs.tick, self._config))
+        target = scale.placed(np.array(place.position))
         if inputs.position is not None:
             offset = target - (inputs.position - self._flock.shift(inputs.tick))
+        elif farthest_off(target, around, self._board.held, scale) <= near:
+            return AT_REST  # whoever is nearer to the leader, which takes a search of the whole board
         else:
             hops = self._board.hops_from(self._root, over_taken=False)
             before = upstream(around, self._board.held, hops, place.key, self._config.range_m)
             if before is None:
                 return AT_REST
-            anchor = center + size * (np.array(self._board.held[before[0]].position) - center)
+            anchor = scale.placed(np.array(self._board.held[before[0]].position))
             offset = target - (anchor - before[1])
-        motion, is_moving = self._config.motion, self._flock.drift(inputs.tick).any()
-        # At rest, only what shakes a robot moves it: to correct what is within the noise would do no good.
-        near = motion.station_m if is_moving else max(motion.station_m, self._arrival)
         return toward(offset, motion, self._period, near)
 
     @property
@@ -388,12 +399,3 @@ class CoverageAgent:
             is_done=self._solid is not None and settled and not left,
             is_leading=self._is_leading,
         )
-
-
-@lru_cache(maxsize=16)
-def _solid(shape: bytes) -> Solid | None:
-    """Return the solid that a mission describes, None if it describes none."""
-    try:
-        return solid_from(unpacked_description(shape))
-    except (FrameError, ShapeError):
-        return None

@@ -46,6 +46,9 @@ class Board:
         Fingerprint of all records, 32 bits.
     revision : int
         Counts the news.
+    touched : list of NodeId
+        Whose places have changed, `NOBODY` included, in the order of the news: so that those who keep account need not
+        go through all places again.
     """
 
     def __init__(self, link: float, spare: float = 0.0, barriers: Barriers = OPEN_SPACE) -> None:
@@ -54,6 +57,8 @@ class Board:
         self._places: dict[Key, Place] = {}
         self._in_state: dict[State, dict[Key, Place]] = {state: {} for state in State}
         self._held: dict[NodeId, Place] = {}
+        self._bound: dict[NodeId, Place] = {}
+        self.touched: list[NodeId] = []
         self.digest = 0
         self.revision = 0
         self._searches: dict[tuple[Key, bool, bool], Search] = {}
@@ -72,12 +77,17 @@ class Board:
                 return False
             self.digest ^= zlib.crc32(place_bytes(known))
             del self._in_state[known.state][place.key]
-            if self._held.get(known.holder) is known:
-                del self._held[known.holder]
+            for holders in (self._held, self._bound):
+                if holders.get(known.holder) is known:
+                    del holders[known.holder]
+            self.touched.append(known.holder)
         self.digest ^= zlib.crc32(place_bytes(place))
         self._places[place.key] = self._in_state[place.state][place.key] = place
         if place.state is State.HELD:
             self._held[place.holder] = place
+        elif place.state is State.TAKEN:
+            self._bound[place.holder] = place
+        self.touched.append(place.holder)
         self.revision += 1
         self._searches.clear()
         self._held_positions = None
@@ -99,6 +109,11 @@ class Board:
     def held(self) -> Mapping[NodeId, Place]:
         """Who holds which place."""
         return self._held
+
+    @property
+    def bound(self) -> Mapping[NodeId, Place]:
+        """Who is under way to which place."""
+        return self._bound
 
     @property
     def held_positions(self) -> FloatArray:
@@ -141,6 +156,17 @@ class Board:
             row = int(before[row])
             way.append(keys[row])
         return way[::-1]
+
+    def before(self, root: Key, goal: Key) -> Key | None:
+        """Return the last place before `goal` on the shortest way from `root` over places in any state, if any."""
+        _, before, keys = self._searched(root, over_taken=True, by_length=True)
+        row = before[keys.index(goal)] if goal in keys else -1
+        return keys[row] if row >= 0 else None
+
+    def after(self, root: Key, goal: Key) -> list[Key]:
+        """Return the places before which `goal` is the last one."""
+        _, before, keys = self._searched(root, over_taken=True, by_length=True)
+        return [keys[row] for row in np.flatnonzero(before == keys.index(goal))] if goal in keys else []
 
     def _searched(self, root: Key, *, over_taken: bool, by_length: bool) -> Search:
         """Return distances from `root`, predecessors (negative: none), and the keys that both are for.

@@ -19,6 +19,7 @@ from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 
 CHAIN_VOLUME = 1.97  # covered per robot of a chain lattice, in cubes of the range
+BORNE_SIGMAS = 7.0  # of noise that links of a lattice bear while the swarm unfolds: there are a thousand of them
 PATIENCE = 4  # times the kicks of a number of robots for the start, which must not fail
 CANDIDATES = 500  # places that the greedy start chooses from
 REMOVALS = 5  # robots whose removal is tried before a number of robots is given up
@@ -69,7 +70,7 @@ def _unobstructed(solid: Solid, leader: FloatArray, config: CoverageConfig, seed
 
 
 def _lattice_layout(solid: Solid, leader: FloatArray, config: CoverageConfig, seed: int, expected: float) -> Layout:
-    reach = config.placement * config.range_m
+    reach = min(config.placement * config.range_m, config.range_m - BORNE_SIGMAS * config.motion.sigma_m)
     cloud = _cloud(solid, int(DENSITY * expected), int(0.5 * DENSITY * expected), seed)
     sites = chain_lattice(cloud, leader, config.range_m * (1.0 - config.layout.spare), reach)
     return _linked(sites, reach)

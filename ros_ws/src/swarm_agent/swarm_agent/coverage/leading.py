@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from swarm_agent.coverage.config import CoverageConfig
 from swarm_agent.coverage.frames import on_air
 from swarm_agent.coverage.layout import plan_layout
 from swarm_agent.coverage.sense_sphere import directions_of
+from swarm_msgs_py.errors import FrameError, ShapeError
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.geometry.solids.description import solid_from, unpacked_description
 from swarm_msgs_py.geometry.solids.sampling import interior_points
+from swarm_msgs_py.geometry.solids.solid import Solid
 from swarm_msgs_py.randomness import rng_for
 from swarm_msgs_py.types import FloatArray
 
@@ -65,3 +69,12 @@ class Leading:
         """Return the places of the layout rule for a leader at `position` (3,) [m], its own left out."""
         layout = plan_layout(self._solid, position, config, self._seed, barriers)
         return [on_air(place) for place in layout.positions[1:]]
+
+
+@lru_cache(maxsize=16)
+def solid_of(shape: bytes) -> Solid | None:
+    """Return the solid that a mission describes, None if it describes none."""
+    try:
+        return solid_from(unpacked_description(shape))
+    except (FrameError, ShapeError):
+        return None

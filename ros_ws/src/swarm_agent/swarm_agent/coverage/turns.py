@@ -44,9 +44,11 @@ class Turns:
         if not count:
             return None
         expansion = self._config.expansion
-        busy = {*board.held, *(place.holder for place in board.places(State.TAKEN))}
         linked = around.ids[around.distances < self._config.range_m].tolist()
-        rank = sum(r > self._me and modes.get(r) is CoverageMode.WAITING and r not in busy for r in linked)
+        rank = sum(
+            r > self._me and modes.get(r) is CoverageMode.WAITING and r not in board.held and r not in board.bound
+            for r in linked
+        )
         is_serial = expansion is Expansion.SERIAL
         if rank >= count or (is_serial and (rank or board.count(State.TAKEN))):
             return None

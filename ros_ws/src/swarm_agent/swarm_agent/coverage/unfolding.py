@@ -7,6 +7,8 @@ arrived yet. It takes the time of the robot with the longest way, and the others
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from swarm_agent.coverage.board import Board
@@ -16,7 +18,39 @@ from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.types import FloatArray
 
 BESIDE = 0.2  # of the range: so near to the leader a robot must be to unfold with the others
-GUARD_SIGMAS = 4.0  # of process noise that a link to the next robot toward the leader is kept short of the range
+RESERVE = 0.05  # of the time: at full speed, the robot with the longest way could not make up for noise
+BROKEN = 1.1  # in ranges: a robot no farther than this was linked a moment ago
+GUARD_SIGMAS = 4.0  # of process noise that a link of the tree is kept short of the range
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A link of the layout to a robot that is here.
+
+    Attributes
+    ----------
+    offset : (3,) array
+        Of the other robot [m].
+    distance : float
+        Of it [m].
+    reach : float
+        Farther from it a robot does not mean to be [m].
+    longest : float
+        Farther from it no step leads, whatever other links ask for [m]; at least `distance`.
+    """
+
+    offset: FloatArray
+    distance: float
+    reach: float
+    longest: float
+
+    def share_of(self, step: FloatArray) -> float:
+        """Return how much of a step (3,) [m] may be taken so that the link gets no longer than `longest`."""
+        square = float(step @ step)
+        if square == 0.0:
+            return 1.0
+        along = float(step @ self.offset) / square
+        return along + float(np.sqrt(max(0.0, along**2 + (self.longest**2 - self.distance**2) / square)))
 
 
 class Unfolding:
@@ -33,6 +67,11 @@ class Unfolding:
         The present one.
     period : float
         Of a tick [s].
+
+    Attributes
+    ----------
+    ticks : float
+        How long it takes.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917 - what a schedule follows from
@@ -42,18 +81,24 @@ class Unfolding:
         self._root, self._goal = places[root], places[goal]
         self._config, self._began = config, tick
         farthest = max(float(np.linalg.norm(place - self._root)) for place in places.values())
-        self._ticks = max(1.0, farthest / (config.motion.speed_mps * period))
-        way = board.path(root, goal, over_taken=True)
-        self._revision = -1
-        self._bound, self._ways = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        self._before = way[-2] if way is not None and len(way) > 1 else root
+        self.ticks = max(1.0, (1.0 + RESERVE) * farthest / (config.motion.speed_mps * period))
+        self._arrival = max(config.motion.arrival_m, config.motion.arrival_sigmas * config.motion.sigma_m)
+        linked = (*board.after(root, goal), board.before(root, goal) or root)
+        self._linked = [(key, float(np.linalg.norm(places[key] - self._goal))) for key in linked]
+        noise = GUARD_SIGMAS * config.motion.sigma_m
+        self._reach, self._reach_under_way = config.range_m - noise, config.range_m - np.sqrt(2.0) * noise
 
     def share(self, tick: int) -> float:
         """Return how large the copy of the layout is to be at the beginning of a tick, 0 to 1."""
-        return min(1.0, max(0.0, (tick - self._began) / self._ticks))
+        return min(1.0, max(0.0, (tick - self._began) / self.ticks))
 
-    def target(self, tick: int, position: FloatArray, board: Board, around: Surroundings) -> FloatArray:
-        """Return where to be at the end of a tick, (3,) [m]: on schedule, and not too far from the robot before.
+    def target(
+        self, tick: int, position: FloatArray, board: Board, around: Surroundings, *, is_exact: bool
+    ) -> FloatArray:
+        """Return where to be at the end of a tick, (3,) [m]: on schedule, and not too far from linked robots.
+
+        The robot before counts most. Who is where it has to be in the end waits there: only who moves is shaken, and
+        far out it takes a while until robots at their places tell who has come.
 
         Parameters
         ----------
@@ -62,32 +107,55 @@ class Unfolding:
             Where the robot is [m].
         board : Board
         around : Surroundings
+        is_exact : bool
+            Whether a robot at its place has told the position.
         """
         target: FloatArray = self._root + self.share(tick + 1) * (self._goal - self._root)
-        before = board.get(self._before)
-        offset = None if before is None else around.offset(before.holder)
-        if offset is None or np.linalg.norm(offset) >= self._config.range_m:  # not here: a straggler
-            return target
-        anchor = position + offset
-        reach = self._config.range_m - GUARD_SIGMAS * self._config.motion.sigma_m
-        away = target - anchor
-        distance = float(np.linalg.norm(away))
-        return target if distance <= reach else anchor + away * (reach / distance)
+        links = self._links(board, around)
+        for link in links:
+            away = target - position - link.offset
+            wanted = float(np.sqrt(away @ away))
+            if wanted > link.reach:
+                target = position + link.offset + away * (link.reach / wanted)
+        step = target - position
+        # A robot before that has to go on stretches the link beyond this, and so calls the one behind.
+        is_slack = all(2.0 * link.distance <= link.reach + self._reach for link in links[-1:])
+        if is_slack and self.share(tick) >= 1.0 and not is_exact and np.linalg.norm(step) <= self._arrival:
+            return position
+        return position + min([1.0, *(link.share_of(step) for link in links)]) * step
+
+    def _links(self, board: Board, around: Surroundings) -> list[Link]:
+        """Return the links to linked robots that are here, that to the robot before last.
+
+        One that is under way is shaken as well, and as free to use what is left of the link.
+        """
+        links = []
+        for key, planned in self._linked:
+            place = board.get(key)
+            offset = None if place is None else around.offset(place.holder)
+            if place is None or offset is None:
+                continue
+            distance = float(np.sqrt(offset @ offset))
+            if distance >= BROKEN * self._config.range_m:  # a straggler
+                continue
+            if place.state is State.HELD:
+                links.append(Link(offset, distance, self._reach, max(distance, self._reach)))
+            else:
+                is_behind = key != self._linked[-1][0]  # and is to follow, not to hold back
+                reach = self._reach if is_behind else min(self._reach, max(planned, self._reach_under_way))
+                links.append(Link(offset, distance, reach, max(distance, 0.5 * (distance + self._reach))))
+        return links
 
     def located(self, tick: int, board: Board, around: Surroundings) -> FloatArray | None:
         """Return where the robot is by those around it that are under way as well, (3,) [m]; None if there are none.
 
         Each of them is taken to be on schedule, from which it is off by the noise of one step.
         """
-        if board.revision != self._revision:
-            bound = sorted((place.holder, place.position) for place in board.places(State.TAKEN))
-            self._bound = np.array([holder for holder, _ in bound], dtype=np.int64)
-            self._ways = np.array([position for _, position in bound]).reshape(-1, 3) - self._root
-            self._revision = board.revision
-        _, taken, sensed = np.intersect1d(self._bound, around.ids, assume_unique=True, return_indices=True)
-        if not len(taken):
+        near = [(row, board.bound[robot].position) for robot, row in around.robots.items() if robot in board.bound]
+        if not near:
             return None
-        guesses = self._root + self.share(tick) * self._ways[taken] - around.offsets[sensed]
+        rows, goals = zip(*near, strict=True)
+        guesses = self._root + self.share(tick) * (np.array(goals) - self._root) - around.offsets[list(rows)]
         middle: FloatArray = np.median(guesses, axis=0)  # a straggler is not on schedule, and must not count
         return middle
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,9 +13,29 @@ from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.types import FloatArray, NodeId
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scale:
+    """How large a formation is to be.
+
+    Attributes
+    ----------
+    center : (3,) array
+        What stays where it is [m].
+    size : float
+        1 at rest.
+    """
+
+    center: FloatArray
+    size: float
+
+    def placed(self, places: FloatArray) -> FloatArray:
+        """Return where places (..., 3) of the layout [m] are now."""
+        return self.center + self.size * (places - self.center)
+
+
 def nearest_holder(around: Surroundings, held: Mapping[NodeId, Place]) -> tuple[NodeId, FloatArray] | None:
     """Return the nearest robot sensed that holds a place, and the offset to it (3,) [m]; None if there is none."""
-    near = [(around.distances[row], robot, row) for robot in held if (row := around.robots.get(robot)) is not None]
+    near = [(around.distances[row], robot, row) for robot, row in around.robots.items() if robot in held]
     if not near:
         return None
     _, robot, row = min(near)
@@ -59,6 +80,26 @@ def company(around: Surroundings, leader: NodeId, held: Mapping[NodeId, Place], 
     return to_nearest
 
 
+def farthest_off(target: FloatArray, around: Surroundings, held: Mapping[NodeId, Place], scale: Scale) -> float:
+    """Return how far the own place is by that holder sensed by whom it is farthest [m]; 0 without one.
+
+    Parameters
+    ----------
+    target : (3,) array
+        The own place [m].
+    around : Surroundings
+    held : mapping
+    scale : Scale
+        Of the formation.
+    """
+    near = [(row, held[robot].position) for robot, row in around.robots.items() if robot in held]
+    if not near:
+        return 0.0
+    rows, places = zip(*near, strict=True)
+    offsets = target - scale.placed(np.array(places)) + around.offsets[list(rows)]
+    return float(np.sqrt(np.einsum("ij,ij->i", offsets, offsets).max()))
+
+
 def upstream(
     around: Surroundings, held: Mapping[NodeId, Place], hops: Mapping[Key, int], mine: Key, link: float
 ) -> tuple[NodeId, FloatArray] | None:
@@ -78,10 +119,10 @@ def upstream(
     depth = hops.get(mine, 0)
     near = [
         (around.distances[row], robot, row)
-        for robot, place in held.items()
-        if hops.get(place.key, depth) < depth
-        and (row := around.robots.get(robot)) is not None
-        and around.distances[row] < link
+        for robot, row in around.robots.items()
+        if around.distances[row] < link
+        and (place := held.get(robot)) is not None
+        and hops.get(place.key, depth) < depth
     ]
     if not near:
         return None
