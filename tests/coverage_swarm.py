@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from studies.coverage_mission import CoverageMission
-from swarm_agent.coverage.config import CoverageConfig, Expansion, LayoutConfig, MotionConfig, ProtocolConfig, Rule
+from swarm_agent.coverage.config import CoverageConfig, Expansion, LayoutConfig, MotionConfig, Rule
 from swarm_sim.points.config import PointSimConfig
 
 BEAM: dict[str, Any] = {"kind": "box", "size_m": [160.0, 50.0, 50.0]}
@@ -21,7 +21,6 @@ def mission(
     sigma_m: float = 1.0,
     seed: int = 0,
     world: PointSimConfig | None = None,
-    gather_limit_s: float = 300.0,
     **options: Any,
 ) -> CoverageMission:
     """Return a mission of robots that link and cover at 50 m; options are those of `CoverageMission`."""
@@ -31,7 +30,6 @@ def mission(
         placement=0.95 if sigma_m == 0.0 else 0.9,
         sample_count=150,
         motion=MotionConfig(sigma_m=sigma_m),
-        protocol=ProtocolConfig(gather_limit_s=gather_limit_s),
         layout=CHEAP,
     )
     world = world or PointSimConfig(process_sigma_m=sigma_m)

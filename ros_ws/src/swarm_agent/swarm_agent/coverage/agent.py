@@ -20,15 +20,7 @@ from swarm_agent.coverage.telling import Telling
 from swarm_agent.coverage.travel import Travel
 from swarm_agent.coverage.turns import Turns
 from swarm_agent.coverage.unfolding import Unfolding, may_unfold
-from swarm_agent.coverage.whereabouts import (
-    Scale,
-    company,
-    farthest_off,
-    located,
-    nearest_holder,
-    toward,
-    upstream,
-)
+from swarm_agent.coverage.whereabouts import Scale, company, farthest_off, located, nearest_holder, toward, upstream
 from swarm_msgs_py.coverage_io import CoverageInputs, CoverageMode, CoverageOutputs, CoverageReport
 from swarm_msgs_py.coverage_orders import CoverageOrder, decode_order, is_order
 from swarm_msgs_py.errors import FrameError, ShapeError
