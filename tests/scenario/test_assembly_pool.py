@@ -84,7 +84,7 @@ def test_without_a_spare_the_largest_part_is_built_and_said_so() -> None:
     assert (outcome.report.built, outcome.report.wanted) == (3, 4)
     assert outcome.report.note == (
         "boat 3 fell silent on its way; 1 of 4 places are given up; "
-        "finished the largest connected sub-structure: 3 of 4"
+        "finished the largest connected sub-structure: 3 of 4 (proven: no larger one can be put together)"
     )
     assert outcome.audit.is_complete_and_clean
 

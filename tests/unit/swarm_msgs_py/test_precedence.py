@@ -1,5 +1,7 @@
 """The order in timed paths: who leaves before whom, and rings that nobody could leave."""
 
+from dataclasses import replace
+
 import numpy as np
 from assembly_problems import ALL_SIDES, problem_of
 
@@ -40,6 +42,25 @@ def test_boats_turn_where_they_start_unless_somebody_is_beside_them() -> None:
 
     assert turning_step(LINE, crews, MEETING.cells, 0) == 0
     assert turning_step(LINE, crews_of(LINE, STRAIGHT, PAIR, beside, 0), beside.cells, 0) == 1
+
+
+def test_boats_that_were_stopped_side_by_side_do_not_wait_for_each_other() -> None:
+    stopped = replace(LINE, is_midway=True)
+    beside = paths(
+        [(8, 10), (9, 10)], [(8, 10), (9, 10)], [(7, 10), (9, 10)], [(8, 10), (10, 10)], [(10, 10), (11, 10)]
+    )
+
+    for boat in (0, 1):
+        crews = crews_of(stopped, STRAIGHT, PAIR, beside, boat)
+        assert needed_steps(crews, beside.cells, np.array([0, 1]), boat, 0) == {}
+    assert not waits_in_ring(stopped, STRAIGHT, PAIR, beside)
+
+
+def test_boats_that_were_stopped_and_change_places_wait_in_a_ring() -> None:
+    stopped = replace(LINE, is_midway=True)
+    swapping = paths([(8, 10), (9, 10)], [(9, 10), (8, 10)], [(10, 10), (8, 10)], [(10, 10), (11, 10)])
+
+    assert waits_in_ring(stopped, STRAIGHT, PAIR, swapping)
 
 
 def test_paths_that_only_follow_or_meet_have_no_ring() -> None:

@@ -61,6 +61,8 @@ def nodes_at(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, c
 def needed_steps(crews: list[Crew], cells: IntArray, others: IntArray, boat: int, step: int) -> dict[int, int]:
     """Return the steps that other boats must have reached before the group of a boat leaves for ``step + 1``.
 
+    A group that stays where it is waits for nobody but its own: others may have been stopped right beside it.
+
     Parameters
     ----------
     crews : list of Crew
@@ -77,11 +79,12 @@ def needed_steps(crews: list[Crew], cells: IntArray, others: IntArray, boat: int
     places = cells[step + 1, crew]
     then = cells[: step + 1, others]
     near = (np.abs(then[:, :, None] - places[None, None]).max(axis=3) < CLEARANCE).any(axis=2)
+    is_moving = bool((places != cells[step, crew]).any())
     for number, other in enumerate(others.tolist()):
         steps = np.flatnonzero(near[:, number])
         if other in partners:
             needed[other] = step  # the last step before docking is made together
-        elif len(steps):
+        elif len(steps) and is_moving:
             needed[other] = int(steps[-1]) + 1
     return needed
 
@@ -111,19 +114,16 @@ def turning_step(problem: AssemblyProblem, crews: list[Crew], cells: IntArray, b
 def waits_in_ring(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths) -> bool:
     """Return whether boats that keep the order of the paths could come to wait for each other forever."""
     movers = np.array(sorted(dispatch.boats))
+    groups = _groups_by_step(problem, dispatch, tree, paths)
     for step in range(paths.steps):
         before, after = paths.cells[step], paths.cells[step + 1]
-        group_of = np.full(problem.boat_count, -1)
-        for number in nodes_at(problem, dispatch, tree, before):
-            group_of[[dispatch.boats[target] for target in tree.nodes[number].targets]] = number
-        joined = np.full(problem.boat_count, -1)
-        for number in nodes_at(problem, dispatch, tree, after):
-            joined[[dispatch.boats[target] for target in tree.nodes[number].targets]] = number
+        group_of, joined = groups[step], groups[step + 1]
         graph: dict[int, set[int]] = {}
         near = cKDTree(after[movers]).query_ball_tree(cKDTree(before[movers]), CLEARANCE - 0.5, p=np.inf)
+        moves = (before != after).any(axis=1)
         for row, hits in enumerate(near):
             mine = movers[row]
-            for other in movers[hits]:
+            for other in movers[hits] if moves[mine] else ():
                 if group_of[mine] != group_of[other] and joined[mine] != joined[other]:
                     graph.setdefault(int(group_of[mine]), set()).add(int(group_of[other]))
         try:
@@ -131,3 +131,19 @@ def waits_in_ring(problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTr
         except graphlib.CycleError:
             return True
     return False
+
+
+def _groups_by_step(
+    problem: AssemblyProblem, dispatch: Dispatch, tree: AssemblyTree, paths: TimedPaths
+) -> list[IntArray]:
+    """Return the number of the docked group of each boat at each step, -1 for boats without a target."""
+    found = [np.full(problem.boat_count, -1) for _ in range(paths.steps + 1)]
+    if problem.is_midway:  # boats that were stopped may stand as in the structure without holding each other
+        for boat in dispatch.boats:
+            for groups, crew in zip(found, crews_of(problem, dispatch, tree, paths, boat), strict=True):
+                groups[boat] = crew[0]
+        return found
+    for groups, cells in zip(found, paths.cells, strict=True):
+        for number in nodes_at(problem, dispatch, tree, cells):
+            groups[[dispatch.boats[target] for target in tree.nodes[number].targets]] = number
+    return found
