@@ -37,6 +37,7 @@ EXPERIMENTS: dict[str, tuple[dict[str, Any], float]] = {
 """Shape and r_sc [m] of each."""
 
 EXACT, NOISY = 0.95, 0.90  # placement without and with process noise [I13]
+DRIFTING, DRIFTING_SPARE = 0.76, 0.085  # placement where robots drift, and share of the range that layouts hold back
 TICKS_MAX = 3000
 DEATHS_UNTIL = 130
 """With `--deaths`, robots die in ticks before this: while they gather, wait, travel, and hold their places."""
@@ -111,6 +112,13 @@ def _placed(agents: CoverageConfig, arguments: argparse.Namespace) -> CoverageCo
     return agents if arguments.placement is None else replace(agents, placement=arguments.placement)
 
 
+def _steady(agents: CoverageConfig, arguments: argparse.Namespace) -> CoverageConfig:
+    """Return the settings for robots that drift: shorter links, and layouts that leave more to spare."""
+    placement = DRIFTING if arguments.placement is None else arguments.placement
+    motion, layout = replace(agents.motion, drifts=True), replace(agents.layout, spare=DRIFTING_SPARE)
+    return replace(agents, placement=placement, motion=motion, layout=layout)
+
+
 def trials(arguments: argparse.Namespace, name: str, results: ResultFile) -> Iterator[Trial]:
     """Yield one trial per seed, those that are in the file of results from there."""
     solid = solid_from(EXPERIMENTS[name][0])
@@ -140,6 +148,8 @@ def _trial(arguments: argparse.Namespace, name: str, probe: CoverageProbe, seed:
     rule, expansion = Rule(arguments.rule), Expansion(arguments.expansion)
     agents, world = settings_of(name, rule, expansion, arguments.sigma, arguments.offset_sigma)
     agents = _placed(agents, arguments)
+    if arguments.drifts:
+        agents = _steady(agents, arguments)
     wall, cpu = time.perf_counter(), time.process_time()
     mission = CoverageMission(shape, agents, replace(world, drifts=arguments.drifts), arguments.robots, seed)
     outcome = mission.run(TICKS_MAX, _deaths(arguments, seed))

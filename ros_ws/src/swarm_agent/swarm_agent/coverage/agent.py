@@ -354,7 +354,7 @@ class CoverageAgent:
             return AT_REST
         motion, is_moving = self._config.motion, self._flock.drift(inputs.tick).any()
         # At rest, only what shakes a robot moves it: to correct what is within the noise would do no good.
-        near = motion.station_m if is_moving else max(motion.station_m, self._arrival)
+        near = motion.station_m if is_moving or motion.drifts else max(motion.station_m, self._arrival)
         scale = Scale(np.array(root.position), self._flock.contraction(inputs.tick, self._config))
         target = scale.placed(np.array(place.position))
         if inputs.position is not None:
@@ -363,11 +363,11 @@ class CoverageAgent:
             return AT_REST  # whoever is nearer to the leader, which takes a search of the whole board
         else:
             hops = self._board.hops_from(self._root, over_taken=False)
-            before = upstream(around, self._board.held, hops, place.key, self._config.range_m)
-            if before is None:
+            before = upstream(around, self._board.held, hops, place.key, self._config)
+            if not before:
                 return AT_REST
-            anchor = scale.placed(np.array(self._board.held[before[0]].position))
-            offset = target - (anchor - before[1])
+            anchors = scale.placed(np.array([self._board.held[robot].position for robot, _ in before]))
+            offset = target - (anchors - np.array([there for _, there in before])).mean(axis=0)
         return toward(offset, motion, self._period, near)
 
     @property

@@ -62,6 +62,7 @@ class MotionConfig(Config):
     sigma_m: float = setting(
         1.0, "process noise per step and axis that the robot counts on (eq. (10))", unit="m", minimum=0.0
     )
+    drifts: bool = setting(False, "whether the robot counts on that noise at rest as well")
     arrival_sigmas: float = setting(2.0, "a robot has come when it is this many sigma from its place", above=0.0)
     arrival_m: float = setting(0.05, "the same, where there is no noise", unit="m", above=0.0)
     station_m: float = setting(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarm_agent.coverage.config import MotionConfig
+from swarm_agent.coverage.config import CoverageConfig, MotionConfig
 from swarm_agent.coverage.frames import Key, Place
 from swarm_agent.coverage.surroundings import Surroundings
 from swarm_msgs_py.types import FloatArray, NodeId
@@ -101,9 +101,12 @@ def farthest_off(target: FloatArray, around: Surroundings, held: Mapping[NodeId,
 
 
 def upstream(
-    around: Surroundings, held: Mapping[NodeId, Place], hops: Mapping[Key, int], mine: Key, link: float
-) -> tuple[NodeId, FloatArray] | None:
-    """Return the nearest linked holder that is nearer to the leader, and the offset to it; None if there is none.
+    around: Surroundings, held: Mapping[NodeId, Place], hops: Mapping[Key, int], mine: Key, config: CoverageConfig
+) -> list[tuple[NodeId, FloatArray]]:
+    """Return holders that are nearer to the leader, by whom to keep station, and the offsets to them, (3,) each [m].
+
+    It is the nearest one that is linked. Where robots at rest drift it is all that are sensed: each is off its place,
+    their mean less, and whose link has broken still finds back.
 
     Parameters
     ----------
@@ -113,21 +116,17 @@ def upstream(
         Links to the leader, of places.
     mine : Key
         The own place.
-    link : float
-        Longest link [m].
+    config : CoverageConfig
     """
-    depth = hops.get(mine, 0)
-    near = [
+    depth = hops.get(mine, len(held))
+    near = sorted(
         (around.distances[row], robot, row)
         for robot, row in around.robots.items()
-        if around.distances[row] < link
+        if (config.motion.drifts or around.distances[row] < config.range_m)
         and (place := held.get(robot)) is not None
         and hops.get(place.key, depth) < depth
-    ]
-    if not near:
-        return None
-    _, robot, row = min(near)
-    return robot, around.offsets[row]
+    )
+    return [(robot, around.offsets[row]) for _, robot, row in (near if config.motion.drifts else near[:1])]
 
 
 def toward(offset: FloatArray | None, motion: MotionConfig, period: float, near: float = 0.0) -> FloatArray:
