@@ -136,3 +136,14 @@ def test_a_place_at_no_number_is_refused() -> None:
 
     with pytest.raises(FrameError):
         decode(data)
+
+
+def test_boards_that_lack_the_same_news_of_two_places_differ() -> None:
+    known, behind = Board(1.0), Board(1.0)
+    for number in (6, 7):
+        taken = at(number, float(number), State.TAKEN, holder=number)
+        behind.merge(taken)
+        known.merge(taken)
+        known.merge(at(number, float(number), State.HELD, holder=number))
+
+    assert known.digest != behind.digest

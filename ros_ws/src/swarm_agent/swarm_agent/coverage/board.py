@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 
@@ -11,7 +10,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from swarm_agent.coverage.frames import NOBODY, Key, Place, State, place_bytes
+from swarm_agent.coverage.frames import NOBODY, Key, Place, State, fingerprint
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
 from swarm_msgs_py.types import FloatArray, IntArray, NodeId
 
@@ -75,13 +74,13 @@ class Board:
         if known is not None:
             if place.rank <= known.rank:
                 return False
-            self.digest ^= zlib.crc32(place_bytes(known))
+            self.digest ^= fingerprint(known)
             del self._in_state[known.state][place.key]
             for holders in (self._held, self._bound):
                 if holders.get(known.holder) is known:
                     del holders[known.holder]
             self.touched.append(known.holder)
-        self.digest ^= zlib.crc32(place_bytes(place))
+        self.digest ^= fingerprint(place)
         self._places[place.key] = self._in_state[place.state][place.key] = place
         if place.state is State.HELD:
             self._held[place.holder] = place

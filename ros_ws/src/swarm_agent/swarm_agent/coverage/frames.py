@@ -6,6 +6,7 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
+from hashlib import blake2b
 
 import numpy as np
 
@@ -178,6 +179,15 @@ def on_air(position: FloatArray) -> tuple[float, float, float]:
 def place_bytes(place: Place) -> bytes:
     """Return the bytes of one place."""
     return packed(_PLACE, *place.key, place.version, place.state, place.holder, *place.position)
+
+
+@lru_cache(maxsize=1 << 16)
+def fingerprint(place: Place) -> int:
+    """Return 32 bits that stand for one place, and make up a board's digest by exclusive or.
+
+    A checksum will not do: it is linear, so that two records which change in the same bits cancel each other.
+    """
+    return int.from_bytes(blake2b(place_bytes(place), digest_size=4).digest(), "little")
 
 
 @lru_cache(maxsize=4096)
