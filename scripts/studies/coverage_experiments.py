@@ -37,7 +37,7 @@ EXPERIMENTS: dict[str, tuple[dict[str, Any], float]] = {
 """Shape and r_sc [m] of each."""
 
 EXACT, NOISY = 0.95, 0.90  # placement without and with process noise [I13]
-DRIFTING, DRIFTING_SPARE = 0.76, 0.085  # placement where robots drift, and share of the range that layouts hold back
+DRIFTING, DRIFTING_SPARE = 0.76, 0.1  # placement where robots drift, and share of the range that layouts hold back
 TICKS_MAX = 3000
 DEATHS_UNTIL = 130
 """With `--deaths`, robots die in ticks before this: while they gather, wait, travel, and hold their places."""
@@ -262,7 +262,7 @@ def parsed(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument(
         "--placement",
         type=number(0.1, 1.0),
-        help=f"longest link that is planned, in ranges; {EXACT} without noise, {NOISY} with",
+        help=f"longest planned link, in ranges; {EXACT} without noise, {NOISY} with, {DRIFTING} if robots drift",
     )
     parser.add_argument("--out", type=Path, help="folder that keeps finished missions; the same command goes on there")
     parser.add_argument("--plan", action="store_true", help="instead: plan places by the rule, without messages")
