@@ -87,6 +87,20 @@ def test_without_a_spare_as_many_places_as_possible_are_kept() -> None:
     assert sorted(plan.dispatch.boats) == [0, 1, 3]
 
 
+def test_a_smaller_part_is_no_proof_where_only_the_way_to_a_larger_one_was_not_found() -> None:
+    walled_in = (25, 25)
+    stopped = midway([(5, 5), (5, 10), (20, 5), walled_in], (), frozenset())
+    reach = range(-3, 4)
+    wall = tuple((25 + x, 25 + y) for x in reach for y in reach if max(abs(x), abs(y)) == max(reach))
+    enclosed = replace(stopped, problem=replace(stopped.problem, obstacles=wall))
+
+    rest = plan_rest(enclosed, 1, LIMITS)
+
+    assert sorted(rest.plan.dispatch.boats) == [0, 1, 2]
+    assert not rest.is_largest
+    assert plan_rest(stopped, 1, LIMITS).is_largest
+
+
 def test_nothing_is_planned_where_no_boat_can_dock() -> None:
     lost = midway([(5, 5), (5, 10), (20, 5), (20, 12)], (), frozenset({0, 1, 2, 3}))
 

@@ -198,6 +198,7 @@ class Foreman:
 
     def _plan_rest(self, tick: int) -> None:
         if self.epoch > REPLANS_MAX:
+            self._is_largest = False  # that was said of what the plan would have built
             self._state = ForemanState.GAVE_UP
             return
         try:
@@ -311,7 +312,7 @@ class Foreman:
         notes = list(self._notes)
         if self._state in (ForemanState.DONE, ForemanState.GAVE_UP) and built < wanted:
             is_proven = self._is_largest and (self._state is ForemanState.GAVE_UP or built == self._wanted_now())
-            proof = " (proven: no larger one can be put together)" if is_proven else ""
+            proof = " (proven: no larger one can be put together)" if is_proven else " (best found)"
             notes.append(f"finished the largest connected sub-structure: {built} of {wanted}{proof}")
         is_halting = self._state is ForemanState.STOPPING
         return ForemanReport(self._state, self.epoch, is_halting, built, wanted, "; ".join(notes))

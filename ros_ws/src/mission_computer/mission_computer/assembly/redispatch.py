@@ -105,7 +105,8 @@ def plan_rest(midway: Midway, seed: int, limits: TimedLimits) -> Rest:
             break
         rest = _moved(problem, part, seed, limits)
         if rest is not None:
-            bound = min(one.bound for one in [*tried[:1], part])
+            # Later bounds hold for what is left when parts are forbidden, and that nobody found a way is no proof.
+            bound = tried[0].bound if tried else part.bound
             return Rest(*rest, is_largest=len(part.targets) == bound)
         tried.append(part)
     raise NothingToAddError(
