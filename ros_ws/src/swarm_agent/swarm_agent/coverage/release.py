@@ -50,6 +50,7 @@ class Release:
         self._mine, self._root = mine, root
         self._solid, self._config = solid, config
         self._revision, self._since = -1, 0
+        self._held: tuple[Place, ...] = ()
         self.is_decided = False
 
     def is_due(self, tick: int, board: Board) -> bool:
@@ -58,7 +59,7 @@ class Release:
         `is_decided` tells afterward whether that has been looked at: a swarm is not done before.
         """
         if board.revision != self._revision:
-            self._revision, self._since, self.is_decided = board.revision, tick, False
+            self._account(tick, board)
         if self.is_decided or board.count(State.OPEN) or board.count(State.TAKEN):
             return False
         # News takes a tick per link: up to the leader, and down again.
@@ -67,8 +68,19 @@ class Release:
         if tick - self._since < news + protocol.heartbeat_ticks + protocol.quiet_ticks:
             return False
         self.is_decided = True
-        places = tuple(board.places(State.HELD))
-        return self._mine in needless(places, self._root, self._solid, self._config, board.link, board.barriers)
+        return self._mine in needless(self._held, self._root, self._solid, self._config, board.link, board.barriers)
+
+    def _account(self, tick: int, board: Board) -> None:
+        """Begin to wait anew, unless the only news is who has left: they left by what this robot is about to find."""
+        self._revision = board.revision
+        held = tuple(board.places(State.HELD))
+        known = {place.key: place for place in held}
+        has_left = {place.key for place in board.places(State.NEEDLESS)}
+        is_same = known.keys() <= {place.key for place in self._held} and all(
+            place.key in has_left or known.get(place.key) == place for place in self._held
+        )
+        if not is_same or board.count(State.OPEN) or board.count(State.TAKEN):
+            self._held, self._since, self.is_decided = held, tick, False
 
 
 @lru_cache(maxsize=64)
