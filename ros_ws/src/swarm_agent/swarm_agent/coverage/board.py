@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
 from swarm_agent.coverage.frames import NOBODY, Key, Place, State, fingerprint
 from swarm_msgs_py.geometry.solids.barriers import OPEN_SPACE, Barriers
@@ -198,9 +197,7 @@ def _search(  # noqa: PLR0913, PLR0917 - what a search follows from
         return np.empty(0), np.empty(0, dtype=np.int64), []
     carries = np.array([over_taken or p.state is State.HELD or p.key == root for p in places])
     positions = _positions(places)
-    pairs = cKDTree(positions).query_pairs(link + spare, output_type="ndarray")
-    if barriers:
-        pairs = pairs[~barriers.cut(positions[pairs[:, 0]], positions[pairs[:, 1]])]
+    pairs = barriers.pairs_in_sight(positions, link + spare)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     both = both[carries[both[:, 0]]]  # a way goes on only from places that carry it
     lengths = np.linalg.norm(positions[both[:, 0]] - positions[both[:, 1]], axis=1)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from swarm_agent.coverage.config import CoverageConfig
@@ -73,6 +72,5 @@ def _candidates(solid: Solid, reach: float, barriers: Barriers, rng: np.random.G
 
 def _sight(places: FloatArray, reach: float, barriers: Barriers) -> csr_array:
     """Return the graph of all pairs that see each other within `reach` [m]."""
-    pairs = cKDTree(places).query_pairs(reach, output_type="ndarray")
-    pairs = pairs[~barriers.cut(places[pairs[:, 0]], places[pairs[:, 1]])]
+    pairs = barriers.pairs_in_sight(places, reach)
     return csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(places), len(places)))

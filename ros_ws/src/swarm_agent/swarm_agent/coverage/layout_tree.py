@@ -93,7 +93,6 @@ def with_relays(positions: FloatArray, reach: float) -> FloatArray:
 
 def _links(positions: FloatArray, reach: float, barriers: Barriers) -> csr_array:
     """Return the graph of all pairs within `reach` that see each other."""
-    pairs = cKDTree(positions).query_pairs(reach * (1.0 + ROUNDING), output_type="ndarray")
-    pairs = pairs[~barriers.cut(positions[pairs[:, 0]], positions[pairs[:, 1]])]
+    pairs = barriers.pairs_in_sight(positions, reach * (1.0 + ROUNDING))
     ones = np.ones(len(pairs))
     return csr_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(positions), len(positions)))

@@ -13,7 +13,6 @@ from functools import lru_cache
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from swarm_agent.coverage.board import Board
@@ -113,14 +112,14 @@ def needless(  # noqa: PLR0913, PLR0917 - what a decision follows from
     if root not in keys:
         return frozenset()
     positions = np.array([place.position for place in places])
-    covers, owners = _cover(positions, solid, config)
     links = _links(positions, link, barriers)
+    if connected_components(links, directed=False, return_labels=False) > 1:
+        return frozenset()  # some are cut off, or not heard of yet
+    covers, owners = _cover(positions, solid, config)
     start = keys.index(root)
     stays = _must_stay(covers, owners)
     stays[start] = True
     covers, owners = _doubtful(covers, owners, stays)
-    if connected_components(links, directed=False, return_labels=False) > 1:
-        return frozenset()  # some are cut off, or not heard of yet
     rng = rng_for(0, "coverage", "release")
     best: IntArray = np.empty(0, np.int64)
     spare = np.flatnonzero(~stays)
@@ -182,9 +181,7 @@ def _spared(order: IntArray, covers: BoolArray, owners: IntArray, links: csr_arr
 
 
 def _links(positions: FloatArray, link: float, barriers: Barriers) -> csr_array:
-    pairs = cKDTree(positions).query_pairs(link, output_type="ndarray")
-    if barriers:
-        pairs = pairs[~barriers.cut(positions[pairs[:, 0]], positions[pairs[:, 1]])]
+    pairs = barriers.pairs_in_sight(positions, link)
     ones = np.ones(len(pairs), dtype=np.int8)
     return csr_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(positions), len(positions)))
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from swarm_msgs_py.geometry.solids.solid import Solid
-from swarm_msgs_py.types import BoolArray, FloatArray
+from swarm_msgs_py.types import BoolArray, FloatArray, IntArray
 
 STEP_M = 0.5  # between the points of a segment that are looked at: a thinner edge of an obstacle may be passed over
 
@@ -35,6 +36,11 @@ class Barriers:
         for solid in self._solids:
             inside |= solid.contains(points)
         return inside
+
+    def pairs_in_sight(self, points: FloatArray, reach: float) -> IntArray:
+        """Return the pairs of `points` (n, 3) that are no farther apart than `reach` [m] and not cut, (m, 2) rows."""
+        pairs: IntArray = cKDTree(points).query_pairs(reach, output_type="ndarray")
+        return pairs[~self.cut(points[pairs[:, 0]], points[pairs[:, 1]])] if self else pairs
 
     def cut(self, tails: FloatArray, heads: FloatArray) -> BoolArray:
         """Return which segments from `tails` to `heads`, both (n, 3) [m], an obstacle cuts, (n,)."""
